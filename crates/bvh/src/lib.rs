@@ -1,0 +1,2 @@
+//! Bounding volume hierarchy: builders, wide nodes, watertight traversal, instancing.
+

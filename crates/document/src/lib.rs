@@ -1,0 +1,2 @@
+//! The scene document: typed parameters, positions, diagnostics, resources.
+#![forbid(unsafe_code)]

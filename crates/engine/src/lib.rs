@@ -1,0 +1,2 @@
+//! Passes, tiles, threads, budgets, cancellation and statistics.
+#![forbid(unsafe_code)]

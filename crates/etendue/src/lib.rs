@@ -1,0 +1,2 @@
+//! A physically based path tracer: the library.
+#![forbid(unsafe_code)]

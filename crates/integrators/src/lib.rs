@@ -1,0 +1,2 @@
+//! Path, direct, depth, aov and moment integrators.
+#![forbid(unsafe_code)]

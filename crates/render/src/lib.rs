@@ -1,0 +1,2 @@
+//! The plugins, the registry, and the frozen scene.
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! Spectra, colour spaces, blackbody emission and measured metals.
+#![forbid(unsafe_code)]
