@@ -1,2 +1,20 @@
 //! Transforms, frames, rays, boxes, intervals, polynomial roots and robust ray offsets.
+//!
+//! The mathematics that every other crate stands on, on top of [`glam`]. Points and directions
+//! are `f32` ([`glam::Vec3`]); where the digits are needed (quadrics, roots) the functions here
+//! take `f64`.
 #![forbid(unsafe_code)]
+
+mod bounds;
+mod float;
+mod frame;
+pub mod interval;
+pub mod polynomial;
+mod ray;
+mod transform;
+
+pub use bounds::Bounds3;
+pub use float::{next_down, next_up, rounding_error_bound, safe_acos, safe_sqrt};
+pub use frame::{Frame, coordinate_system};
+pub use ray::{Ray, offset_ray_origin};
+pub use transform::Transform;

@@ -1,0 +1,105 @@
+//! Orthonormal frames, and directions within them.
+
+use glam::Vec3;
+
+/// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`.
+///
+/// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+#[inline]
+#[must_use]
+pub fn coordinate_system(n: Vec3) -> (Vec3, Vec3) {
+    let sign = 1.0_f32.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    let s = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    let t = Vec3::new(b, sign + n.y * n.y * a, -n.y);
+    (s, t)
+}
+
+/// A right-handed orthonormal basis: tangent `s`, bitangent `t`, normal `n`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The local x axis.
+    pub s: Vec3,
+    /// The local y axis.
+    pub t: Vec3,
+    /// The local z axis, the normal.
+    pub n: Vec3,
+}
+
+impl Frame {
+    /// Any frame around the unit normal `n`.
+    #[inline]
+    #[must_use]
+    pub fn from_normal(n: Vec3) -> Self {
+        let (s, t) = coordinate_system(n);
+        Self { s, t, n }
+    }
+
+    /// The frame around the unit normal `n` whose `s` is as close to `tangent` as it can be; any
+    /// frame where `tangent` is zero, not finite or along the normal.
+    #[inline]
+    #[must_use]
+    pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
+        let along = tangent - n * n.dot(tangent);
+        let length_squared = along.length_squared();
+        // Below this the direction that is left after the subtraction is rounding noise.
+        if length_squared.is_finite() && length_squared > 1e-12 * tangent.length_squared() {
+            let s = along / length_squared.sqrt();
+            return Self { s, t: n.cross(s), n };
+        }
+        Self::from_normal(n)
+    }
+
+    /// World to local coordinates.
+    #[inline]
+    #[must_use]
+    pub fn to_local(&self, v: Vec3) -> Vec3 {
+        Vec3::new(self.s.dot(v), self.t.dot(v), self.n.dot(v))
+    }
+
+    /// Local to world coordinates.
+    #[inline]
+    #[must_use]
+    pub fn to_world(&self, v: Vec3) -> Vec3 {
+        self.s * v.x + self.t * v.y + self.n * v.z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_orthonormal(frame: Frame) {
+        for (a, b) in [(frame.s, frame.t), (frame.t, frame.n), (frame.n, frame.s)] {
+            assert!(a.dot(b).abs() < 1e-6, "{frame:?}");
+        }
+        for axis in [frame.s, frame.t, frame.n] {
+            assert!((axis.length() - 1.0).abs() < 1e-6, "{frame:?}");
+        }
+        assert!(frame.s.cross(frame.t).dot(frame.n) > 0.999, "left-handed: {frame:?}");
+    }
+
+    #[test]
+    fn frames_are_orthonormal_and_right_handed_also_at_the_poles() {
+        for n in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(1e-6, -1e-6, -1.0), Vec3::ONE] {
+            assert_orthonormal(Frame::from_normal(n.normalize()));
+        }
+    }
+
+    #[test]
+    fn a_tangent_along_the_normal_still_gives_a_frame() {
+        for tangent in [Vec3::ZERO, Vec3::Z * 3.0, Vec3::splat(f32::NAN), Vec3::new(0.1, 0.0, 5.0)]
+        {
+            assert_orthonormal(Frame::from_normal_and_tangent(Vec3::Z, tangent));
+        }
+        assert_eq!(Frame::from_normal_and_tangent(Vec3::Z, Vec3::new(2.0, 0.0, 5.0)).s, Vec3::X);
+    }
+
+    #[test]
+    fn local_and_world_are_inverse() {
+        let frame = Frame::from_normal(Vec3::new(0.48, -0.6, 0.64));
+        let v = Vec3::new(0.3, -2.0, 0.7);
+        assert!((frame.to_world(frame.to_local(v)) - v).length() < 1e-6);
+    }
+}

@@ -1,0 +1,86 @@
+//! Rays, and origins that leave a surface without hitting it again.
+
+use crate::float::{next_down, next_up};
+use glam::Vec3;
+
+/// A half-line `origin + t · direction` for `t` in `(0, t_max)`.
+///
+/// There is no lower bound other than zero: rays that leave a surface start at an origin that
+/// [`offset_ray_origin`] has moved clear of it, so no global epsilon is needed at any scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where the ray starts.
+    pub origin: Vec3,
+    /// Where it goes; not necessarily of unit length, and `t` counts in its lengths.
+    pub direction: Vec3,
+    /// Hits at or beyond this distance do not count; infinite for an unbounded ray.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// An unbounded ray.
+    #[must_use]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_max: f32::INFINITY }
+    }
+
+    /// A ray that ends at `t_max` lengths of `direction`.
+    #[must_use]
+    pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
+        Self { origin, direction, t_max }
+    }
+
+    /// The point at parameter `t`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// An origin for a ray leaving `point` towards `direction` that lies clear of the surface.
+///
+/// `error` bounds the absolute error of each coordinate of `point`, so the true surface passes
+/// through the box `point ± error`. The origin is moved along the geometric `normal`, to the side
+/// that `direction` points to, just out of that box, and then each coordinate is rounded away from
+/// the surface (Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th ed., section 6.8.6).
+#[inline]
+#[must_use]
+pub fn offset_ray_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    let distance = normal.abs().dot(error);
+    let offset = if direction.dot(normal) < 0.0 { -normal * distance } else { normal * distance };
+    let moved = point + offset;
+    let round_outwards = |coordinate: f32, offset: f32| {
+        if offset > 0.0 {
+            next_up(coordinate)
+        } else if offset < 0.0 {
+            next_down(coordinate)
+        } else {
+            coordinate
+        }
+    };
+    Vec3::new(
+        round_outwards(moved.x, offset.x),
+        round_outwards(moved.y, offset.y),
+        round_outwards(moved.z, offset.z),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_offset_origin_is_outside_the_error_box_on_the_side_of_the_direction() {
+        for scale in [1e-6_f32, 1.0, 1e6] {
+            let normal = Vec3::new(1.0, 2.0, -2.0) / 3.0;
+            let point = Vec3::new(0.3, -0.7, 0.2) * scale;
+            let error = Vec3::splat(3e-7 * scale);
+            for side in [1.0, -1.0] {
+                let origin = offset_ray_origin(point, error, normal, normal * side);
+                let clearance = (origin - point).dot(normal) * side;
+                assert!(clearance > 0.0, "scale {scale}, side {side}: {clearance}");
+            }
+        }
+    }
+}
