@@ -1,0 +1,253 @@
+//! What was found wrong, whose fault it is, and where.
+
+use std::collections::HashSet;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::Span;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// Nothing can be rendered.
+    Error,
+    /// The picture may not be what was meant.
+    Warning,
+    /// Worth knowing.
+    Note,
+}
+
+/// Whose fault it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Fault {
+    /// A file is missing or cannot be read.
+    Io,
+    /// The text is not what its format asks for.
+    Syntax,
+    /// No plugin has that name.
+    UnknownPlugin,
+    /// The plugin takes no parameter or child of that name.
+    UnknownParameter,
+    /// The plugin cannot do without it.
+    MissingParameter,
+    /// A value of the wrong type or out of range.
+    BadValue,
+    /// Known, but not in this version.
+    Unsupported,
+    /// Larger, deeper or more than the limits allow.
+    Limit,
+    /// A shape that is none.
+    Geometry,
+    /// Rendered as something near what the file asks for.
+    Approximation,
+}
+
+/// Another place that belongs to a diagnostic.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Related {
+    /// Where.
+    pub span: Span,
+    /// What stands there.
+    pub message: String,
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[must_use = "a diagnostic is lost unless it is pushed"]
+pub struct Diagnostic {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Whose fault it is.
+    pub fault: Fault,
+    /// One sentence without a full stop.
+    pub message: String,
+    /// Where, if it has a place.
+    pub span: Option<Span>,
+    /// Other places that belong to it.
+    pub related: Vec<Related>,
+    /// What to do about it, one line each.
+    pub help: Vec<String>,
+}
+
+impl Diagnostic {
+    /// A finding of the given severity, to be completed and pushed.
+    pub fn new(
+        severity: Severity,
+        fault: Fault,
+        span: impl Into<Option<Span>>,
+        message: impl Into<String>,
+    ) -> Self {
+        Self {
+            severity,
+            fault,
+            message: message.into(),
+            span: span.into(),
+            related: Vec::new(),
+            help: Vec::new(),
+        }
+    }
+
+    /// An error, to be completed and pushed.
+    pub fn error(fault: Fault, span: impl Into<Option<Span>>, message: impl Into<String>) -> Self {
+        Self::new(Severity::Error, fault, span, message)
+    }
+
+    /// A warning, to be completed and pushed.
+    pub fn warning(
+        fault: Fault,
+        span: impl Into<Option<Span>>,
+        message: impl Into<String>,
+    ) -> Self {
+        Self::new(Severity::Warning, fault, span, message)
+    }
+
+    /// Adds a line of advice.
+    pub fn help(mut self, line: impl Into<String>) -> Self {
+        self.help.push(line.into());
+        self
+    }
+
+    /// Adds another place.
+    pub fn related(mut self, span: Span, message: impl Into<String>) -> Self {
+        self.related.push(Related { span, message: message.into() });
+        self
+    }
+
+    /// The order in which findings are shown: by place, those without a place first.
+    fn order(&self) -> (Option<Span>, Severity, &str) {
+        (self.span, self.severity, &self.message)
+    }
+}
+
+/// A hostile file can be wrong in millions of places; nobody reads more than this.
+const KEPT: usize = 1000;
+
+#[derive(Debug, Default)]
+struct Found {
+    list: Vec<Diagnostic>,
+    known: HashSet<Diagnostic>,
+    error_count: usize,
+    omitted: usize,
+}
+
+/// Every finding of one run, each once. Shared by the threads that build a scene.
+///
+/// At most 1,000 are kept; [`Diagnostics::omitted`] counts the others.
+#[derive(Debug, Default)]
+pub struct Diagnostics {
+    strict: bool,
+    found: Mutex<Found>,
+}
+
+impl Diagnostics {
+    /// A collection in which unknown parameters are warnings.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A collection in which unknown parameters are errors.
+    pub fn strict() -> Self {
+        Self { strict: true, ..Self::default() }
+    }
+
+    /// Adds a finding, unless the very same is there already.
+    pub fn push(&self, mut diagnostic: Diagnostic) {
+        if self.strict && diagnostic.fault == Fault::UnknownParameter {
+            diagnostic.severity = Severity::Error;
+        }
+        let is_error = diagnostic.severity == Severity::Error;
+        let mut found = self.lock();
+        if found.known.contains(&diagnostic) {
+            return;
+        }
+        found.error_count += usize::from(is_error);
+        if found.list.len() >= KEPT {
+            found.omitted += 1;
+            return;
+        }
+        found.known.insert(diagnostic.clone());
+        found.list.push(diagnostic);
+    }
+
+    /// Adds an error.
+    pub fn error(&self, fault: Fault, span: impl Into<Option<Span>>, message: impl Into<String>) {
+        self.push(Diagnostic::error(fault, span, message));
+    }
+
+    /// Adds a warning.
+    pub fn warning(&self, fault: Fault, span: impl Into<Option<Span>>, message: impl Into<String>) {
+        self.push(Diagnostic::warning(fault, span, message));
+    }
+
+    /// Adds a note.
+    pub fn note(&self, fault: Fault, span: impl Into<Option<Span>>, message: impl Into<String>) {
+        self.push(Diagnostic::new(Severity::Note, fault, span, message));
+    }
+
+    /// Whether anything was found that forbids rendering.
+    pub fn has_errors(&self) -> bool {
+        self.error_count() > 0
+    }
+
+    /// How many errors were found, those beyond the first 1,000 findings included.
+    pub fn error_count(&self) -> usize {
+        self.lock().error_count
+    }
+
+    /// How many findings were not kept.
+    pub fn omitted(&self) -> usize {
+        self.lock().omitted
+    }
+
+    /// The findings by place: file by file in the order of reading, then down the page.
+    pub fn sorted(&self) -> Vec<Diagnostic> {
+        let mut list = self.lock().list.clone();
+        list.sort_by(|a, b| a.order().cmp(&b.order()));
+        list
+    }
+
+    /// A thread that panicked while it held the lock cannot have left half a finding behind.
+    fn lock(&self) -> MutexGuard<'_, Found> {
+        self.found.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Sources;
+
+    #[test]
+    fn the_same_finding_counts_once_and_they_sort_by_place() {
+        let mut sources = Sources::default();
+        let id = sources.add("scene.xml", "abcdef");
+        let diagnostics = Diagnostics::new();
+        for _ in 0..3 {
+            diagnostics.error(Fault::BadValue, Span::new(id, 4..5), "later");
+            diagnostics.warning(Fault::BadValue, Span::new(id, 1..2), "earlier");
+        }
+        let messages: Vec<String> =
+            diagnostics.sorted().into_iter().map(|found| found.message).collect();
+        assert_eq!(messages, ["earlier", "later"]);
+        assert_eq!(diagnostics.error_count(), 1);
+    }
+
+    #[test]
+    fn strict_turns_unknown_parameters_into_errors_and_nothing_else() {
+        let strict = Diagnostics::strict();
+        strict.warning(Fault::Approximation, None, "near enough");
+        assert!(!strict.has_errors());
+        strict.warning(Fault::UnknownParameter, None, "what is this");
+        assert!(strict.has_errors());
+    }
+
+    #[test]
+    fn the_number_kept_is_bounded_but_all_errors_count() {
+        let diagnostics = Diagnostics::new();
+        for index in 0..KEPT + 500 {
+            diagnostics.error(Fault::Syntax, None, format!("fault {index}"));
+        }
+        assert_eq!(diagnostics.sorted().len(), KEPT);
+        assert_eq!(diagnostics.omitted(), 500);
+        assert_eq!(diagnostics.error_count(), KEPT + 500);
+    }
+}

@@ -1,0 +1,167 @@
+//! Findings as text: file, line, column, the line itself, a caret, and advice.
+
+use std::ops::Range;
+
+use codespan_reporting::diagnostic as codespan;
+use codespan_reporting::files::{Error, Files};
+use codespan_reporting::term;
+
+use crate::{Diagnostic, Severity, Source, Sources, Span};
+
+/// At most this many characters of a line are shown, around the place that matters: a scene may
+/// be one line of megabytes.
+const SHOWN: usize = 120;
+
+/// A finding as the text a terminal shows, with escape codes for colours where `colored`.
+///
+/// The place comes as `file:line:column`, with the line and carets under what is meant; lines
+/// of advice follow. The text ends with a line break.
+pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bool) -> String {
+    let mut excerpts = Excerpts { list: Vec::new() };
+    let mut labels = Vec::new();
+    if let Some((file, range)) = diagnostic.span.and_then(|span| excerpts.add(span, sources)) {
+        labels.push(codespan::Label::primary(file, range));
+    }
+    for related in &diagnostic.related {
+        if let Some((file, range)) = excerpts.add(related.span, sources) {
+            labels.push(codespan::Label::secondary(file, range).with_message(&related.message));
+        }
+    }
+    let severity = match diagnostic.severity {
+        Severity::Error => codespan::Severity::Error,
+        Severity::Warning => codespan::Severity::Warning,
+        Severity::Note => codespan::Severity::Note,
+    };
+    let shown = codespan::Diagnostic::new(severity)
+        .with_message(printable(&diagnostic.message))
+        .with_labels(labels)
+        .with_notes(diagnostic.help.iter().map(|line| printable(line)).collect());
+    emit(&shown, &excerpts, colored).unwrap_or_else(|_| format!("{}\n", diagnostic.message))
+}
+
+fn emit(
+    shown: &codespan::Diagnostic<usize>,
+    excerpts: &Excerpts,
+    colored: bool,
+) -> Result<String, Error> {
+    let config = term::Config::default();
+    if !colored {
+        return term::emit_into_string(&config, excerpts, shown);
+    }
+    let mut writer = term::termcolor::Ansi::new(Vec::new());
+    term::emit_to_write_style(&mut writer, &config, excerpts, shown)?;
+    Ok(String::from_utf8_lossy(&writer.into_inner()).into_owned())
+}
+
+/// One line of a source as it is shown.
+struct Excerpt {
+    name: String,
+    line_number: usize,
+    column_number: usize,
+    text: String,
+}
+
+/// The shown lines, each as a file of its own to the layouter.
+struct Excerpts {
+    list: Vec<Excerpt>,
+}
+
+impl Excerpts {
+    /// Cuts the line of a span out of its source; returns the excerpt and the span within it.
+    fn add(&mut self, span: Span, sources: &Sources) -> Option<(usize, Range<usize>)> {
+        let source = sources.get(span.source)?;
+        let location = sources.locate(span);
+        let (text, range) = cut(source, span);
+        self.list.push(Excerpt {
+            name: location.name,
+            line_number: location.line,
+            column_number: location.column,
+            text,
+        });
+        Some((self.list.len() - 1, range))
+    }
+}
+
+/// The part of a span's first line around the span, and the span within it. Of a span over
+/// several lines, what lies on the first one.
+fn cut(source: &Source, span: Span) -> (String, Range<usize>) {
+    let start = source.floor_boundary(span.start as usize);
+    let line = source.line_range(source.line_index(start));
+    let start = start.min(line.end);
+    let end = source.floor_boundary((span.end as usize).clamp(start, line.end));
+    let before = &source.text()[line.start..start];
+    let inside = &source.text()[start..end];
+    let after = &source.text()[end..line.end];
+
+    let (before, before_cut) = last_characters(before, SHOWN / 2);
+    let (inside, inside_cut) = first_characters(inside, SHOWN / 2);
+    let (after, after_cut) = first_characters(after, if inside_cut { 0 } else { SHOWN / 3 });
+    let opening = if before_cut { "…" } else { "" };
+    let closing = if inside_cut || after_cut { "…" } else { "" };
+    let shown_before = format!("{opening}{}", printable(before));
+    let shown_inside = printable(inside);
+    let text = format!("{shown_before}{shown_inside}{}{closing}", printable(after));
+    let start = shown_before.len();
+    (text, start..start + shown_inside.len())
+}
+
+fn first_characters(text: &str, count: usize) -> (&str, bool) {
+    match text.char_indices().nth(count) {
+        Some((end, _)) => (&text[..end], true),
+        None => (text, false),
+    }
+}
+
+fn last_characters(text: &str, count: usize) -> (&str, bool) {
+    match text.char_indices().rev().nth(count) {
+        Some((start, first)) => (&text[start + first.len_utf8()..], true),
+        None => (text, false),
+    }
+}
+
+/// Without the control characters by which a file could command the terminal.
+fn printable(text: &str) -> String {
+    let shown = |character: char| match character {
+        '\n' => '\n',
+        '\t' => ' ',
+        other if other.is_control() => '\u{fffd}',
+        other => other,
+    };
+    text.chars().map(shown).collect()
+}
+
+impl<'a> Files<'a> for Excerpts {
+    type FileId = usize;
+    type Name = &'a str;
+    type Source = &'a str;
+
+    fn name(&'a self, id: usize) -> Result<&'a str, Error> {
+        Ok(&self.get(id)?.name)
+    }
+
+    fn source(&'a self, id: usize) -> Result<&'a str, Error> {
+        Ok(&self.get(id)?.text)
+    }
+
+    fn line_index(&'a self, _: usize, _: usize) -> Result<usize, Error> {
+        Ok(0)
+    }
+
+    fn line_number(&'a self, id: usize, _: usize) -> Result<usize, Error> {
+        Ok(self.get(id)?.line_number)
+    }
+
+    fn column_number(&'a self, id: usize, _: usize, _: usize) -> Result<usize, Error> {
+        Ok(self.get(id)?.column_number)
+    }
+
+    fn line_range(&'a self, id: usize, _: usize) -> Result<Range<usize>, Error> {
+        Ok(0..self.get(id)?.text.len())
+    }
+}
+
+impl Excerpts {
+    fn get(&self, id: usize) -> Result<&Excerpt, Error> {
+        self.list.get(id).ok_or(Error::FileMissing)
+    }
+}

@@ -1,0 +1,59 @@
+//! Near names, for "did you mean".
+
+/// At most this many suggestions are of use.
+const SUGGESTION_LIMIT: usize = 3;
+
+/// Names longer than this are not compared: the distance is quadratic in their length.
+const COMPARED_LENGTH: usize = 64;
+
+/// The candidates that resemble `name`, the nearest first, at most three.
+///
+/// Similarity is the Damerau–Levenshtein distance relative to the longer name, without regard to
+/// case, underscores and hyphens; a name that starts with the other one counts as near too.
+pub fn near_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    if name.len() > COMPARED_LENGTH {
+        return Vec::new();
+    }
+    let wanted = plain(name);
+    let mut scored: Vec<(f64, &str)> = candidates
+        .into_iter()
+        .filter(|candidate| candidate.len() <= COMPARED_LENGTH)
+        .map(|candidate| (similarity(&wanted, &plain(candidate)), candidate))
+        .filter(|(score, _)| *score >= 0.6)
+        .collect();
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
+    scored.dedup_by_key(|(_, candidate)| *candidate);
+    scored.truncate(SUGGESTION_LIMIT);
+    scored.into_iter().map(|(_, candidate)| candidate).collect()
+}
+
+/// Names in backquotes with commas: `` `a`, `b`, `c` ``.
+pub fn list_names<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let quoted: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
+}
+
+fn plain(name: &str) -> String {
+    name.chars().filter(|c| !matches!(c, '_' | '-')).flat_map(char::to_lowercase).collect()
+}
+
+fn similarity(a: &str, b: &str) -> f64 {
+    let contained = a.len().min(b.len()) >= 3 && (a.contains(b) || b.contains(a));
+    let distance = strsim::normalized_damerau_levenshtein(a, b);
+    if contained { distance.max(0.7) } else { distance }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn typing_errors_find_their_name() {
+        let names = ["alpha", "alpha_u", "distribution", "int_ior", "material"];
+        assert_eq!(near_names("aplha", names)[0], "alpha");
+        assert_eq!(near_names("intIOR", names), ["int_ior"]);
+        assert_eq!(near_names("alpah_u", names)[0], "alpha_u");
+        assert!(near_names("radiance", names).is_empty());
+        assert!(near_names(&"alpha".repeat(100_000), names).is_empty());
+    }
+}

@@ -1,0 +1,221 @@
+//! Where a file that a scene names is looked for.
+
+use std::fmt;
+use std::path::{Component, Path, PathBuf};
+
+use crate::{Resources, SourceId, near_names};
+
+/// The folders in which file names are resolved.
+///
+/// Real scenes name files relative to their own folder, to a folder above it, to the folder the
+/// renderer was started in, or to one given on the command line. A name is sought, in this order:
+/// as an absolute path, in the folder of the file that names it, in the scene's `<path>` entries,
+/// in the search paths, in the working directory, and in every folder above the one of the file
+/// that names it. Backslashes separate folders as slashes do.
+#[derive(Clone, Debug, Default)]
+pub struct Resolver {
+    /// The folder of each text of the document, by source id.
+    pub source_folders: Vec<PathBuf>,
+    /// The scene's `<path>` entries.
+    pub scene_paths: Vec<PathBuf>,
+    /// The folders the user gave.
+    pub search_paths: Vec<PathBuf>,
+    /// Where relative names start; the host's current directory.
+    pub working_directory: PathBuf,
+}
+
+/// A file that is in none of the places where it could be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NotFound {
+    /// The name as written.
+    pub name: String,
+    /// Every path that was tried, in order.
+    pub tried: Vec<PathBuf>,
+    /// File names that resemble it, where the folders hold some.
+    pub near: Vec<String>,
+}
+
+impl NotFound {
+    /// Lines of advice for a diagnostic: near names, and where it was sought.
+    pub fn help(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if !self.near.is_empty() {
+            let names = crate::list_names(self.near.iter().map(String::as_str));
+            lines.push(format!("there is {names}"));
+        }
+        let tried: Vec<String> = self.tried.iter().map(|path| path.display().to_string()).collect();
+        lines.push(format!("looked for it at\n{}", tried.join("\n")));
+        lines
+    }
+}
+
+impl fmt::Display for NotFound {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "file `{}` not found", self.name)
+    }
+}
+
+impl std::error::Error for NotFound {}
+
+impl Resolver {
+    /// Finds the file that `name`, written in the text `source`, means.
+    ///
+    /// # Errors
+    ///
+    /// If none of the [`Resolver::candidates`] exists.
+    pub fn resolve(
+        &self,
+        name: &str,
+        source: SourceId,
+        resources: &dyn Resources,
+    ) -> Result<PathBuf, NotFound> {
+        let tried = self.candidates(name, source);
+        match tried.iter().find(|path| resources.exists(path)) {
+            Some(path) => Ok(path.clone()),
+            None => {
+                let near = near_files(&tried, resources);
+                Err(NotFound { name: name.to_owned(), tried, near })
+            }
+        }
+    }
+
+    /// The paths at which `name`, written in the text `source`, may lie, in order of preference,
+    /// each once, normalised.
+    pub fn candidates(&self, name: &str, source: SourceId) -> Vec<PathBuf> {
+        let as_written = Path::new(name);
+        let with_slashes = name.trim().replace('\\', "/");
+        let relative = Path::new(&with_slashes);
+        if relative.is_absolute() {
+            return vec![normalise(relative)];
+        }
+        let mut candidates = Vec::new();
+        for folder in self.folders(source) {
+            // A backslash may also be a letter of a file name, though hardly ever.
+            for file in [as_written, relative] {
+                let path = normalise(&folder.join(file));
+                if !candidates.contains(&path) {
+                    candidates.push(path);
+                }
+            }
+        }
+        candidates
+    }
+
+    /// The folders in which a name written in the text `source` is sought, in order.
+    fn folders(&self, source: SourceId) -> Vec<PathBuf> {
+        let own = self.source_folders.get(source.index());
+        let own = own.map(|folder| normalise(&self.working_directory.join(folder)));
+        let given = self.scene_paths.iter().chain(&self.search_paths);
+        let given = given.map(|path| self.working_directory.join(path));
+        let working = std::iter::once(self.working_directory.clone());
+        let above = own.as_deref().into_iter().flat_map(|own| own.ancestors().skip(1));
+        let above: Vec<PathBuf> = above.map(Path::to_path_buf).collect();
+        own.clone().into_iter().chain(given).chain(working).chain(above).collect()
+    }
+}
+
+/// Removes `.` and resolves `..` by name alone, so that the folders above a path can be listed.
+pub(crate) fn normalise(path: &Path) -> PathBuf {
+    let mut normal = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => match normal.components().next_back() {
+                Some(Component::Normal(_)) => {
+                    normal.pop();
+                }
+                Some(Component::RootDir | Component::Prefix(_)) => {}
+                _ => normal.push(".."),
+            },
+            other => normal.push(other),
+        }
+    }
+    normal
+}
+
+/// Files that resemble the missing one, in the folders where it was sought.
+fn near_files(tried: &[PathBuf], resources: &dyn Resources) -> Vec<String> {
+    let Some(wanted) = tried.first().and_then(|path| path.file_name()?.to_str()) else {
+        return Vec::new();
+    };
+    let folders = tried.iter().filter_map(|path| path.parent());
+    let names: Vec<String> = folders.flat_map(|folder| resources.list(folder)).collect();
+    near_names(wanted, names.iter().map(String::as_str)).into_iter().map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MemoryResources, Sources};
+
+    fn resolver(folder: &str) -> (Resolver, SourceId) {
+        let id = Sources::default().add("scene.xml", "");
+        let resolver = Resolver {
+            source_folders: vec![folder.into()],
+            working_directory: "/home/ada".into(),
+            ..Resolver::default()
+        };
+        (resolver, id)
+    }
+
+    #[test]
+    fn a_name_meant_from_the_folder_of_folders_is_found_from_anywhere() {
+        let files = MemoryResources::default().with("/s/testcases/coffee/models/Mesh000.obj", "");
+        for folder in ["/s/testcases/coffee", "/s/testcases/kitchen/../coffee"] {
+            let (resolver, id) = resolver(folder);
+            let found = resolver.resolve("testcases/coffee/models/Mesh000.obj", id, &files);
+            assert_eq!(found, Ok("/s/testcases/coffee/models/Mesh000.obj".into()));
+        }
+    }
+
+    #[test]
+    fn a_name_meant_from_the_folder_above_is_found() {
+        let files = MemoryResources::default().with("/s/mesh/cube.obj", "");
+        let (resolver, id) = resolver("/s/testcases");
+        assert_eq!(resolver.resolve("mesh/cube.obj", id, &files), Ok("/s/mesh/cube.obj".into()));
+    }
+
+    #[test]
+    fn the_own_folder_comes_before_paths_before_the_working_directory_before_those_above() {
+        let (mut resolver, id) = resolver("/s/scenes");
+        resolver.scene_paths.push("/p".into());
+        resolver.search_paths.push("more".into());
+        let candidates = resolver.candidates("./a.png", id);
+        let expected = [
+            "/s/scenes/a.png",
+            "/p/a.png",
+            "/home/ada/more/a.png",
+            "/home/ada/a.png",
+            "/s/a.png",
+            "/a.png",
+        ];
+        assert_eq!(candidates, expected.map(PathBuf::from));
+    }
+
+    #[test]
+    fn backslashes_and_absolute_names() {
+        let files = MemoryResources::default().with("/s/textures/wood.png", "");
+        let (resolver, id) = resolver("/s");
+        let found = Ok(PathBuf::from("/s/textures/wood.png"));
+        assert_eq!(resolver.resolve("textures\\wood.png", id, &files), found);
+        assert_eq!(resolver.resolve("/s/textures/wood.png", id, &files), found);
+        assert_eq!(resolver.candidates("/x/y.png", id).len(), 1, "an absolute name has one place");
+    }
+
+    #[test]
+    fn a_missing_file_lists_where_it_was_sought_and_what_resembles_it() {
+        let files = MemoryResources::default().with("/s/textures/wood.png", "");
+        let (resolver, id) = resolver("/s");
+        let missing = resolver.resolve("textures/wod.png", id, &files).unwrap_err();
+        assert_eq!(missing.near, ["wood.png"]);
+        assert_eq!(missing.tried[0], PathBuf::from("/s/textures/wod.png"));
+        assert_eq!(missing.to_string(), "file `textures/wod.png` not found");
+        assert!(missing.help()[1].contains("/home/ada/textures/wod.png"));
+    }
+
+    #[test]
+    fn parent_folders_are_resolved_by_name() {
+        assert_eq!(normalise(Path::new("/a/./b/../../../c")), PathBuf::from("/c"));
+        assert_eq!(normalise(Path::new("../a/..")), PathBuf::from(".."));
+    }
+}

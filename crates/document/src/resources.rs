@@ -1,0 +1,85 @@
+//! Bytes by name: how files reach code that does no file access of its own.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Why a resource could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ResourceError {
+    /// There is nothing of that name.
+    NotFound,
+    /// It holds more bytes than the host is ready to read.
+    TooLarge {
+        /// The greatest size in bytes.
+        limit: u64,
+    },
+    /// Anything else, in the host's words.
+    Other(String),
+}
+
+impl fmt::Display for ResourceError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFound => write!(formatter, "no such file"),
+            Self::TooLarge { limit } => write!(formatter, "larger than {limit} bytes"),
+            Self::Other(message) => write!(formatter, "{message}"),
+        }
+    }
+}
+
+impl std::error::Error for ResourceError {}
+
+/// Files as a host offers them.
+pub trait Resources: Send + Sync {
+    /// The whole content of a file.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such file or it cannot be read.
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ResourceError>;
+
+    /// Whether there is a file (not a folder) of that name.
+    fn exists(&self, path: &Path) -> bool;
+
+    /// The names of the entries of a folder, to suggest near ones when a file is missing.
+    /// Empty where the host cannot tell.
+    fn list(&self, _folder: &Path) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// Resources held in memory, for tests and embedded scenes.
+#[derive(Clone, Debug, Default)]
+pub struct MemoryResources {
+    files: BTreeMap<PathBuf, Vec<u8>>,
+}
+
+impl MemoryResources {
+    /// Adds or replaces a file.
+    pub fn insert(&mut self, path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) {
+        self.files.insert(path.into(), bytes.into());
+    }
+
+    /// The same, for building a collection in one expression.
+    #[must_use]
+    pub fn with(mut self, path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) -> Self {
+        self.insert(path, bytes);
+        self
+    }
+}
+
+impl Resources for MemoryResources {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ResourceError> {
+        self.files.get(path).cloned().ok_or(ResourceError::NotFound)
+    }
+
+    fn exists(&self, path: &Path) -> bool {
+        self.files.contains_key(path)
+    }
+
+    fn list(&self, folder: &Path) -> Vec<String> {
+        let inside = self.files.keys().filter(|path| path.parent() == Some(folder));
+        inside.filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect()
+    }
+}

@@ -1,0 +1,163 @@
+//! The texts a document was read from, and places in them.
+
+use std::sync::Arc;
+
+/// Names one text of a [`Sources`] collection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SourceId(u32);
+
+impl SourceId {
+    /// The position of this source in the order in which the texts were added.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A byte range of one text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Span {
+    /// The text.
+    pub source: SourceId,
+    /// The first byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// The span of a byte range; offsets beyond four gigabytes are clamped.
+    pub fn new(source: SourceId, range: std::ops::Range<usize>) -> Self {
+        let clamp = |offset: usize| u32::try_from(offset).unwrap_or(u32::MAX);
+        Self { source, start: clamp(range.start), end: clamp(range.end) }
+    }
+}
+
+/// A place as people read it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    /// The name of the text, usually a file name.
+    pub name: String,
+    /// Counted from 1.
+    pub line: usize,
+    /// In characters, counted from 1.
+    pub column: usize,
+}
+
+/// One text with its name.
+#[derive(Clone, Debug)]
+pub struct Source {
+    name: String,
+    text: Arc<str>,
+    line_starts: Vec<u32>,
+}
+
+impl Source {
+    /// The name given when the text was added.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &Arc<str> {
+        &self.text
+    }
+
+    /// The index of the line (from 0) that holds a byte offset.
+    pub(crate) fn line_index(&self, offset: usize) -> usize {
+        self.line_starts.partition_point(|&start| start as usize <= offset).saturating_sub(1)
+    }
+
+    /// The bytes of a line, without its line break.
+    pub(crate) fn line_range(&self, line_index: usize) -> std::ops::Range<usize> {
+        let start = self.line_starts.get(line_index).map_or(self.text.len(), |&s| s as usize);
+        let end = self.line_starts.get(line_index + 1).map_or(self.text.len(), |&s| s as usize);
+        let line = &self.text[start..end];
+        start..start + line.trim_end_matches(['\n', '\r']).len()
+    }
+
+    /// The nearest character boundary at or before a byte offset, inside the text.
+    pub(crate) fn floor_boundary(&self, offset: usize) -> usize {
+        let mut offset = offset.min(self.text.len());
+        while !self.text.is_char_boundary(offset) {
+            offset -= 1;
+        }
+        offset
+    }
+}
+
+/// Every text read for a document, with its name.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    sources: Vec<Source>,
+}
+
+impl Sources {
+    /// Keeps a text and names it. Offsets are 32 bits: what lies beyond four gigabytes has no place.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> SourceId {
+        let text = text.into();
+        let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        let starts = breaks.filter_map(|(offset, _)| u32::try_from(offset + 1).ok());
+        let line_starts = std::iter::once(0).chain(starts).collect();
+        self.sources.push(Source { name: name.into(), text, line_starts });
+        SourceId(u32::try_from(self.sources.len() - 1).unwrap_or(u32::MAX))
+    }
+
+    /// The text behind an id; `None` for the id of another collection.
+    pub fn get(&self, id: SourceId) -> Option<&Source> {
+        self.sources.get(id.index())
+    }
+
+    /// The texts in the order in which they were added.
+    pub fn iter(&self) -> impl Iterator<Item = &Source> {
+        self.sources.iter()
+    }
+
+    /// File, line and column of the start of a span.
+    pub fn locate(&self, span: Span) -> Location {
+        let Some(source) = self.get(span.source) else {
+            return Location { name: "<unknown>".to_owned(), line: 1, column: 1 };
+        };
+        let offset = source.floor_boundary(span.start as usize);
+        let line_index = source.line_index(offset);
+        let line_start = source.line_range(line_index).start;
+        let column = source.text[line_start..offset].chars().count() + 1;
+        Location { name: source.name.clone(), line: line_index + 1, column }
+    }
+
+    /// The text of a span; empty where the span does not fit.
+    pub fn excerpt(&self, span: Span) -> &str {
+        let range = span.start as usize..span.end as usize;
+        self.get(span.source).and_then(|source| source.text.get(range)).unwrap_or("")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_counted_from_one_in_characters() {
+        let mut sources = Sources::default();
+        let id = sources.add("scene.xml", "one\nzwölf x\r\n\nend");
+        let place = |start: usize| {
+            let location = sources.locate(Span::new(id, start..start + 1));
+            (location.line, location.column)
+        };
+        assert_eq!(place(0), (1, 1));
+        assert_eq!(place(4), (2, 1));
+        assert_eq!(place(11), (2, 7), "two bytes of ö count once");
+        assert_eq!(place(14), (3, 1));
+        assert_eq!(place(17), (4, 3));
+        assert_eq!(place(999), (4, 4), "past the end is the end");
+        assert_eq!(sources.get(id).unwrap().line_range(1), 4..12, "without the line break");
+    }
+
+    #[test]
+    fn a_span_in_the_middle_of_a_character_does_not_panic() {
+        let mut sources = Sources::default();
+        let id = sources.add("scene.xml", "ö");
+        assert_eq!(sources.locate(Span::new(id, 1..2)).column, 1);
+        assert_eq!(sources.excerpt(Span::new(id, 1..2)), "");
+        assert_eq!(sources.excerpt(Span::new(id, 0..2)), "ö");
+    }
+}
