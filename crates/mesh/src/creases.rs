@@ -1,0 +1,1 @@
+//! Splitting vertices along sharp edges.

@@ -1,0 +1,173 @@
+//! Shading normals: dropping, flipping and computing them.
+
+use crate::triangle_mesh::TriangleMesh;
+use glam::Vec3;
+
+/// The normal of a vertex that no triangle of positive area touches. Any unit vector would do: no
+/// ray can hit such a vertex. Mitsuba 3 has the same one.
+const NORMAL_OF_NOTHING: Vec3 = Vec3::X;
+
+impl TriangleMesh {
+    /// Turns the mesh inside out: reverses the winding of every triangle and the vertex normals.
+    pub fn flip_normals(&mut self) {
+        for corners in &mut self.indices {
+            corners.swap(1, 2);
+        }
+        for normal in &mut self.normals {
+            *normal = -*normal;
+        }
+    }
+
+    /// Drops the vertex normals, so that the mesh is shaded flat.
+    pub fn face_normals(&mut self) {
+        self.normals = Vec::new();
+    }
+
+    /// Replaces the vertex normals by the mean of the normals of the triangles around each vertex,
+    /// weighted by the angle of the triangle at the vertex, and of unit length (Thürmer and Wüthrich, "Computing
+    /// Vertex Normals from Polygonal Facets", *Journal of Graphics Tools* 3(1), 1998). Vertices
+    /// that share a position but not an index are not averaged: a seam in the texture
+    /// coordinates stays visible, as it does in Mitsuba 3.
+    ///
+    /// # Panics
+    ///
+    /// Where the mesh is not valid.
+    pub fn compute_vertex_normals(&mut self) {
+        let sums = self.angle_weighted_sums(|_, vertex| vertex, self.positions.len());
+        self.normals = sums.into_iter().map(unit_or_default).collect();
+    }
+
+    /// Gives each vertex whose normal has no direction (all zero) the angle-weighted one of
+    /// [`TriangleMesh::compute_vertex_normals`], and says how many there were. Does nothing to a
+    /// mesh without normals.
+    ///
+    /// # Panics
+    ///
+    /// Where the mesh is not valid.
+    pub fn fill_missing_normals(&mut self) -> usize {
+        let missing = self.normals.iter().filter(|&&normal| normal == Vec3::ZERO).count();
+        if missing > 0 {
+            let sums = self.angle_weighted_sums(|_, vertex| vertex, self.positions.len());
+            for (normal, sum) in self.normals.iter_mut().zip(sums) {
+                if *normal == Vec3::ZERO {
+                    *normal = unit_or_default(sum);
+                }
+            }
+        }
+        missing
+    }
+
+    /// For each of `group_count` groups of corners, the sum of the unit normals of its triangles,
+    /// each times the angle at the corner. `group` maps the number of a corner (three times the
+    /// triangle plus 0, 1 or 2) and its vertex to the group.
+    pub(crate) fn angle_weighted_sums(
+        &self,
+        group: impl Fn(usize, usize) -> usize,
+        group_count: usize,
+    ) -> Vec<Vec3> {
+        let mut sums = vec![Vec3::ZERO; group_count];
+        for (face, indices) in self.indices.iter().enumerate() {
+            let corners = self.corners(face);
+            let normal = unit_normal(corners);
+            if normal == Vec3::ZERO {
+                continue;
+            }
+            for (corner, &vertex) in indices.iter().enumerate() {
+                let angle = angle_at(corners, corner);
+                sums[group(3 * face + corner, vertex as usize)] += normal * angle;
+            }
+        }
+        sums
+    }
+}
+
+/// The unit normal of a triangle on the side from which it runs counter-clockwise; zero where it
+/// has no area. Computed in double precision: the cross product of the edges of a triangle of a
+/// micrometre in metres would vanish in single precision.
+pub(crate) fn unit_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
+
+/// A unit vector along `sum`, or the stand-in where the sum has no direction.
+pub(crate) fn unit_or_default(sum: Vec3) -> Vec3 {
+    sum.try_normalize().unwrap_or(NORMAL_OF_NOTHING)
+}
+
+/// The angle in radians between the edges that leave one corner. By Kahan's formula
+/// 2·atan2(|u − v|, |u + v|) for unit u and v, which keeps its digits for needles, where the arc
+/// cosine of the dot product does not (Kahan, "How Futile are Mindless Assessments of Roundoff in
+/// Floating-Point Computation?", section 12).
+fn angle_at(corners: [Vec3; 3], corner: usize) -> f32 {
+    let towards = |other: usize| (corners[other % 3] - corners[corner]).normalize_or_zero();
+    let (to_next, to_previous) = (towards(corner + 1), towards(corner + 2));
+    2.0 * (to_next - to_previous).length().atan2((to_next + to_previous).length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cube corner: three faces that meet at the origin, one of them split in two triangles, so
+    /// that weighting by count or by area would lean towards it.
+    fn cube_corner() -> TriangleMesh {
+        TriangleMesh {
+            positions: vec![
+                Vec3::ZERO,
+                Vec3::X,
+                Vec3::Y,
+                Vec3::Z,
+                Vec3::new(7.0, 7.0, 0.0),
+                Vec3::splat(9.0),
+            ],
+            indices: vec![[0, 1, 4], [0, 4, 2], [0, 2, 3], [0, 3, 1]],
+            ..TriangleMesh::default()
+        }
+    }
+
+    #[test]
+    fn angle_weights_do_not_depend_on_how_a_face_is_split() {
+        let mut mesh = cube_corner();
+        mesh.compute_vertex_normals();
+        let expected = Vec3::ONE.normalize();
+        assert!((mesh.normals[0] - expected).length() < 1e-6, "{}", mesh.normals[0]);
+        assert!((mesh.normals[4] - Vec3::Z).length() < 1e-6);
+        assert_eq!(mesh.normals[5], NORMAL_OF_NOTHING);
+        assert!(mesh.normals.iter().all(|normal| normal.is_normalized()));
+    }
+
+    #[test]
+    fn flipping_reverses_the_computed_normals() {
+        let mut mesh = cube_corner();
+        mesh.compute_vertex_normals();
+        let mut flipped = mesh.clone();
+        flipped.flip_normals();
+        assert_eq!(flipped.normals[0], -mesh.normals[0]);
+        let computed_before = flipped.normals[0];
+        flipped.compute_vertex_normals();
+        assert!((flipped.normals[0] - computed_before).length() < 1e-6);
+        flipped.face_normals();
+        assert!(flipped.normals.is_empty());
+    }
+
+    #[test]
+    fn only_normals_without_direction_are_filled() {
+        let mut mesh = cube_corner();
+        assert_eq!(mesh.fill_missing_normals(), 0);
+        assert!(mesh.normals.is_empty());
+        mesh.normals = vec![Vec3::NEG_X; 6];
+        mesh.normals[4] = Vec3::ZERO;
+        assert_eq!(mesh.fill_missing_normals(), 1);
+        assert!((mesh.normals[4] - Vec3::Z).length() < 1e-6);
+        assert_eq!(mesh.normals[0], Vec3::NEG_X);
+    }
+
+    #[test]
+    fn tiny_and_needle_triangles_have_normals() {
+        let tiny = [Vec3::ZERO, Vec3::X * 1e-21, Vec3::Y * 1e-21];
+        assert_eq!(unit_normal(tiny), Vec3::Z);
+        let needle = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1e-6, 0.0)];
+        assert!((angle_at(needle, 0) - 1e-6).abs() < 1e-11);
+        assert_eq!(unit_normal([Vec3::ONE; 3]), Vec3::ZERO);
+    }
+}

@@ -1,0 +1,351 @@
+//! The statements of an OBJ file.
+
+use super::warning::{ObjWarningKind, Tally};
+use super::weld::{Corner, NONE, Weld};
+use super::{ObjMesh, ObjOptions};
+use crate::error::{MeshError, MeshErrorKind};
+use crate::polygon::triangulate;
+use crate::text::TextCursor;
+use crate::triangle_mesh::{TriangleMesh, check_vertex_count};
+use glam::{Vec2, Vec3};
+
+/// Which statements a pass reads.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Statements {
+    /// All of them, which does for files whose faces come after their vertices.
+    All,
+    /// All but faces.
+    Vertices,
+    /// Faces only, after a pass over the vertices. The others are counted.
+    Faces,
+}
+
+/// The three lists that faces point into.
+#[derive(Clone, Copy)]
+enum List {
+    Positions,
+    Uvs,
+    Normals,
+}
+
+impl List {
+    /// What one element is called in messages.
+    fn noun(self) -> &'static str {
+        match self {
+            Self::Positions => "position",
+            Self::Uvs => "texture coordinate",
+            Self::Normals => "normal",
+        }
+    }
+}
+
+/// What was read so far.
+pub(super) struct Reader {
+    statements: Statements,
+    name: Option<String>,
+    positions: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    /// How many elements of each [`List`] the pass has come by: negative indices count from there.
+    seen: [usize; 3],
+    weld: Weld,
+    /// The vertices of the face being read; kept for its memory.
+    polygon: Vec<u32>,
+    indices: Vec<[u32; 3]>,
+    tally: Tally,
+    points_ahead: bool,
+}
+
+impl Reader {
+    /// A reader that has read nothing.
+    pub(super) fn new() -> Self {
+        Self {
+            statements: Statements::All,
+            name: None,
+            positions: Vec::new(),
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            seen: [0; 3],
+            weld: Weld::default(),
+            polygon: Vec::new(),
+            indices: Vec::new(),
+            tally: Tally::default(),
+            points_ahead: false,
+        }
+    }
+
+    /// Whether the last pass stopped at an index that may be valid further down.
+    pub(super) fn points_ahead(&self) -> bool {
+        self.points_ahead
+    }
+
+    /// One pass over the file.
+    pub(super) fn read(&mut self, bytes: &[u8], statements: Statements) -> Result<(), MeshError> {
+        self.statements = statements;
+        self.seen = [0; 3];
+        let mut cursor = TextCursor::new(bytes);
+        while !cursor.is_at_end() {
+            cursor.skip_blanks();
+            self.read_statement(&mut cursor)?;
+            cursor.skip_blanks();
+            if !cursor.is_at_statement_end() {
+                return Err(cursor.expected("the end of the line"));
+            }
+            // Only a comment can be left, and line ends are most often bare.
+            if cursor.peek() == Some(b'#') {
+                cursor.skip_statement();
+            } else {
+                cursor.take_line_end();
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads up to the end of one statement, or past it where the rest does not matter.
+    #[inline]
+    fn read_statement(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
+        if cursor.is_at_statement_end() {
+            return Ok(());
+        }
+        let keyword = cursor.word();
+        cursor.skip_blanks();
+        match (keyword, self.statements) {
+            (b"f", Statements::All | Statements::Faces) => return self.read_face(cursor),
+            (b"v", Statements::All | Statements::Vertices) => return self.read_position(cursor),
+            (b"vn", Statements::All | Statements::Vertices) => return self.read_normal(cursor),
+            (b"vt", Statements::All | Statements::Vertices) => return self.read_uv(cursor),
+            (b"v", Statements::Faces) => self.seen[List::Positions as usize] += 1,
+            (b"vt", Statements::Faces) => self.seen[List::Uvs as usize] += 1,
+            (b"vn", Statements::Faces) => self.seen[List::Normals as usize] += 1,
+            (_, Statements::All | Statements::Vertices) => self.note_other(keyword, cursor),
+            (_, Statements::Faces) => {}
+        }
+        cursor.skip_statement();
+        Ok(())
+    }
+
+    #[inline]
+    fn read_position(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
+        let position = read_vector(cursor, "a coordinate of a position")?;
+        if !position.is_finite() {
+            return Err(not_finite(cursor, List::Positions));
+        }
+        if !cursor.is_at_statement_end() {
+            self.tally.count(ObjWarningKind::VertexColor, cursor.line());
+            while !cursor.is_at_statement_end() {
+                cursor.float("a weight or colour after a position")?;
+            }
+        }
+        self.positions.push(position);
+        self.seen[List::Positions as usize] += 1;
+        check_vertex_count(self.positions.len() as u64)
+    }
+
+    /// A normal that is not finite is taken as one without a direction: writers divide by the
+    /// length of degenerate faces, and the rest of such a file is fine.
+    #[inline]
+    fn read_normal(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
+        let mut normal = read_vector(cursor, "a coordinate of a normal")?;
+        if !normal.is_finite() || normal == Vec3::ZERO {
+            normal = Vec3::ZERO;
+            self.tally.count(ObjWarningKind::UnusableNormal, cursor.line());
+        }
+        self.normals.push(normal);
+        self.seen[List::Normals as usize] += 1;
+        check_vertex_count(self.normals.len() as u64)
+    }
+
+    #[inline]
+    fn read_uv(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
+        const WHAT: &str = "a texture coordinate";
+        let mut uv = Vec2::new(cursor.float(WHAT)?, 0.0);
+        if !cursor.is_at_statement_end() {
+            uv.y = cursor.float(WHAT)?;
+        }
+        if !cursor.is_at_statement_end() {
+            cursor.float(WHAT)?;
+        }
+        if !uv.is_finite() {
+            return Err(not_finite(cursor, List::Uvs));
+        }
+        self.uvs.push(uv);
+        self.seen[List::Uvs as usize] += 1;
+        check_vertex_count(self.uvs.len() as u64)
+    }
+
+    #[inline]
+    fn read_face(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
+        self.polygon.clear();
+        while !cursor.is_at_statement_end() {
+            let corner = self.read_corner(cursor)?;
+            let vertex = self.weld.vertex(corner, self.positions.len())?;
+            self.polygon.push(vertex);
+            cursor.skip_blanks();
+        }
+        if self.polygon.len() < 3 {
+            self.tally.count(ObjWarningKind::DegenerateFace, cursor.line());
+        }
+        let (weld, positions) = (&self.weld, &self.positions);
+        let position_of = |vertex| {
+            let corner = weld.corner(vertex)?;
+            positions.get(corner.position as usize).copied()
+        };
+        triangulate(&self.polygon, position_of, &mut self.indices);
+        Ok(())
+    }
+
+    /// One corner: `v`, `v/vt`, `v//vn`, `v/vt/vn`; also `v/` and `v//`, which some writers leave.
+    #[inline]
+    fn read_corner(&mut self, cursor: &mut TextCursor<'_>) -> Result<Corner, MeshError> {
+        let position = self.read_index(cursor, List::Positions)?;
+        let mut corner = Corner { position, uv: NONE, normal: NONE };
+        if cursor.peek() == Some(b'/') {
+            cursor.advance(1);
+            if starts_index(cursor) {
+                corner.uv = self.read_index(cursor, List::Uvs)?;
+            }
+            if cursor.peek() == Some(b'/') {
+                cursor.advance(1);
+                if starts_index(cursor) {
+                    corner.normal = self.read_index(cursor, List::Normals)?;
+                }
+            }
+        }
+        match cursor.peek() {
+            None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'#') => Ok(corner),
+            _ => Err(cursor.expected("a blank after the corner of a face")),
+        }
+    }
+
+    /// An index into `list`, counted from zero, that has an element.
+    #[inline]
+    fn read_index(&mut self, cursor: &mut TextCursor<'_>, list: List) -> Result<u32, MeshError> {
+        let written = cursor.integer("an index")?;
+        let seen = self.seen[list as usize];
+        let index = match written {
+            1.. => (written - 1) as u64,
+            // One before the first element wraps around to a number that is out of range.
+            ..0 => (seen as u64).wrapping_add_signed(written),
+            0 => return Err(self.out_of_range(cursor, list, written)),
+        };
+        if index < self.count(list) as u64 {
+            return Ok(index as u32);
+        }
+        self.points_ahead = self.statements == Statements::All && written > 0;
+        Err(self.out_of_range(cursor, list, written))
+    }
+
+    #[inline]
+    fn count(&self, list: List) -> usize {
+        match list {
+            List::Positions => self.positions.len(),
+            List::Uvs => self.uvs.len(),
+            List::Normals => self.normals.len(),
+        }
+    }
+
+    #[cold]
+    fn out_of_range(&self, cursor: &TextCursor<'_>, list: List, written: i64) -> MeshError {
+        let noun = list.noun();
+        let message = match written {
+            0 => format!("{noun} index 0 is not valid: indices start at 1"),
+            ..0 => {
+                let seen = self.seen[list as usize];
+                format!("{noun} index {written} is out of range: {seen} {noun}s come before it")
+            }
+            _ => {
+                let count = self.count(list);
+                format!("{noun} index {written} is out of range: there are {count} {noun}s")
+            }
+        };
+        cursor.error(MeshErrorKind::OutOfRange, message)
+    }
+
+    /// Counts what is lost with a statement that is neither a vertex nor a face, and keeps the name
+    /// of the first object.
+    fn note_other(&mut self, keyword: &[u8], cursor: &mut TextCursor<'_>) {
+        let line = cursor.line();
+        match keyword {
+            b"o" => {
+                let name = cursor.rest_of_line().trim_ascii();
+                self.name.get_or_insert_with(|| String::from_utf8_lossy(name).into_owned());
+            }
+            b"p" | b"l" => self.tally.count(ObjWarningKind::PointOrLine, line),
+            b"usemtl" => self.tally.count(ObjWarningKind::SeveralMaterials, line),
+            b"g" | b"s" | b"mg" | b"mtllib" | b"usemap" | b"maplib" | b"bevel" | b"c_interp"
+            | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" => {}
+            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf"
+            | b"parm" | b"trim" | b"hole" | b"scrv" | b"sp" | b"end" | b"con" | b"ctech"
+            | b"stech" => self.tally.count(ObjWarningKind::FreeForm, line),
+            _ => self.tally.count(ObjWarningKind::UnknownStatement, line),
+        }
+    }
+
+    /// Puts the vertices together.
+    pub(super) fn finish(mut self, options: &ObjOptions) -> Result<ObjMesh, MeshError> {
+        let is_empty = self.positions.is_empty() && self.indices.is_empty();
+        if is_empty && self.tally.of(ObjWarningKind::UnknownStatement) > 0 {
+            return Err(MeshError::new(
+                MeshErrorKind::Syntax,
+                "this is not an OBJ file: it has no vertices or faces, but unknown statements",
+            ));
+        }
+        self.indices.shrink_to_fit();
+        let mut mesh = TriangleMesh {
+            name: self.name.unwrap_or_default(),
+            indices: self.indices,
+            ..Default::default()
+        };
+        {
+            let weld = self.weld.seal();
+            let corners = weld.corners();
+            // One list after the other, so that its source is gone before the next one grows.
+            mesh.positions = gather(self.positions, corners.clone().map(|corner| corner.position));
+            mesh.uvs = gather(self.uvs, corners.clone().map(|corner| corner.uv));
+            mesh.normals = gather(self.normals, corners.clone().map(|corner| corner.normal));
+            if options.flip_texture_coordinates {
+                for (uv, corner) in mesh.uvs.iter_mut().zip(corners) {
+                    if corner.uv != NONE {
+                        uv.y = 1.0 - uv.y;
+                    }
+                }
+            }
+        }
+        mesh.fill_missing_normals();
+        Ok(ObjMesh { mesh, warnings: self.tally.warnings() })
+    }
+}
+
+/// The elements of `list` at `picks`, and zero for [`NONE`]; empty where all are that. Takes the list as it is
+/// where the picks are just its elements in order.
+fn gather<T: Copy + Default>(mut list: Vec<T>, picks: impl Iterator<Item = u32> + Clone) -> Vec<T> {
+    let in_order = picks.clone().zip(0..).take_while(|&(pick, place)| pick == place).count();
+    let pick_count = picks.clone().count();
+    if in_order == pick_count && list.len() >= pick_count {
+        list.truncate(pick_count);
+        list.shrink_to_fit();
+        return list;
+    }
+    if picks.clone().all(|pick| pick == NONE) {
+        return Vec::new();
+    }
+    let mut gathered = Vec::with_capacity(pick_count);
+    gathered.extend(picks.map(|pick| list.get(pick as usize).copied().unwrap_or_default()));
+    gathered
+}
+
+#[inline]
+fn read_vector(cursor: &mut TextCursor<'_>, what: &str) -> Result<Vec3, MeshError> {
+    Ok(Vec3::new(cursor.float(what)?, cursor.float(what)?, cursor.float(what)?))
+}
+
+#[inline]
+fn starts_index(cursor: &TextCursor<'_>) -> bool {
+    matches!(cursor.peek(), Some(b'0'..=b'9' | b'-' | b'+'))
+}
+
+#[cold]
+fn not_finite(cursor: &TextCursor<'_>, list: List) -> MeshError {
+    let message = format!("this {} is not finite in single precision", list.noun());
+    cursor.error(MeshErrorKind::NonFinite, message)
+}

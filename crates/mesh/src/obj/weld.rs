@@ -1,0 +1,143 @@
+//! One vertex for each different triple of position, texture coordinate and normal.
+
+use crate::error::MeshError;
+use crate::triangle_mesh::check_vertex_count;
+use std::collections::HashMap;
+
+/// The index that stands for none.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// Vertices at one position that are looked up one after the other; further ones are hashed, so that a
+/// file with a million normals at one position takes no quadratic time.
+const LONGEST_CHAIN: u32 = 16;
+
+/// The corner of a face: indices into the file's three lists, counted from zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Corner {
+    /// Which position.
+    pub(crate) position: u32,
+    /// Which texture coordinate, or [`NONE`].
+    pub(crate) uv: u32,
+    /// Which normal, or [`NONE`].
+    pub(crate) normal: u32,
+}
+
+/// A vertex, and the next one at the same position.
+#[derive(Clone, Copy)]
+struct Entry {
+    corner: Corner,
+    next: u32,
+}
+
+/// The vertices made so far.
+///
+/// Most positions belong to one or two vertices, so a chain per position finds them with one or two memory accesses; a
+/// hash map of triples took most of the reader's time.
+#[derive(Default)]
+pub(crate) struct Weld {
+    /// The first vertex at each position, or [`NONE`].
+    first_at: Vec<u32>,
+    entries: Vec<Entry>,
+    /// The vertices behind full chains.
+    overflow: HashMap<Corner, u32>,
+}
+
+impl Weld {
+    /// The vertex of this corner, made if it is new. There are `position_count` positions so far,
+    /// and the corner's is one of them.
+    #[inline]
+    pub(crate) fn vertex(
+        &mut self,
+        corner: Corner,
+        position_count: usize,
+    ) -> Result<u32, MeshError> {
+        if self.first_at.len() < position_count {
+            self.first_at.resize(position_count, NONE);
+        }
+        let first = self.first_at[corner.position as usize];
+        if first == NONE {
+            let vertex = self.push(corner)?;
+            self.first_at[corner.position as usize] = vertex;
+            return Ok(vertex);
+        }
+        if self.entries[first as usize].corner == corner {
+            return Ok(first);
+        }
+        self.vertex_behind(first, corner)
+    }
+
+    /// The vertex of a corner that is not the first one at its position.
+    fn vertex_behind(&mut self, first: u32, corner: Corner) -> Result<u32, MeshError> {
+        let mut last = first;
+        for _ in 1..LONGEST_CHAIN {
+            let next = self.entries[last as usize].next;
+            if next == NONE {
+                let vertex = self.push(corner)?;
+                self.entries[last as usize].next = vertex;
+                return Ok(vertex);
+            }
+            if self.entries[next as usize].corner == corner {
+                return Ok(next);
+            }
+            last = next;
+        }
+        if let Some(&vertex) = self.overflow.get(&corner) {
+            return Ok(vertex);
+        }
+        let vertex = self.push(corner)?;
+        self.overflow.insert(corner, vertex);
+        Ok(vertex)
+    }
+
+    #[inline]
+    fn push(&mut self, corner: Corner) -> Result<u32, MeshError> {
+        let vertex = self.entries.len();
+        check_vertex_count(vertex as u64 + 1)?;
+        self.entries.push(Entry { corner, next: NONE });
+        Ok(vertex as u32)
+    }
+
+    /// The corner that a vertex was made for.
+    #[inline]
+    pub(crate) fn corner(&self, vertex: u32) -> Option<Corner> {
+        self.entries.get(vertex as usize).map(|entry| entry.corner)
+    }
+
+    /// The corners of all vertices, in their order.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = Corner> + Clone {
+        self.entries.iter().map(|entry| entry.corner)
+    }
+
+    /// How many vertices there are.
+    pub(crate) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Gives back what only [`Weld::vertex`] needs.
+    pub(crate) fn seal(self) -> Self {
+        Self { entries: self.entries, ..Self::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_triples_are_one_vertex_however_many_share_a_position() {
+        let mut weld = Weld::default();
+        let corner = |position, normal| Corner { position, uv: NONE, normal };
+        for round in 0..2 {
+            for normal in 0..100 {
+                for position in 0..3 {
+                    let vertex = weld.vertex(corner(position, normal), 3);
+                    assert_eq!(vertex, Ok(3 * normal + position), "round {round}");
+                }
+            }
+        }
+        assert_eq!(weld.len(), 300);
+        assert_eq!(weld.corner(299), Some(corner(2, 99)));
+        assert_eq!(weld.corner(300), None);
+        assert_eq!(weld.seal().corners().nth(4), Some(corner(1, 1)));
+    }
+}

@@ -1,0 +1,215 @@
+//! A cursor over the bytes of a text format that knows its line.
+
+use crate::error::{MeshError, MeshErrorKind};
+use crate::number::{parse_float, parse_integer};
+use memchr::memchr2;
+
+/// A place in a text. Lines end in LF, CRLF or CR; a backslash before the end of a line joins it
+/// with the next one; `#` starts a comment.
+pub(crate) struct TextCursor<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    line: u64,
+}
+
+impl<'a> TextCursor<'a> {
+    /// The start of `bytes`, after a byte order mark if there is one.
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        Self { bytes, position: 0, line: 1 }
+    }
+
+    /// The line of the cursor, counted from one.
+    pub(crate) fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// Whether everything was read.
+    #[inline]
+    pub(crate) fn is_at_end(&self) -> bool {
+        self.position >= self.bytes.len()
+    }
+
+    /// The next byte, not taken.
+    #[inline]
+    pub(crate) fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.position).copied()
+    }
+
+    /// Moves on over `count` bytes that were peeked at.
+    #[inline]
+    pub(crate) fn advance(&mut self, count: usize) {
+        self.position += count;
+    }
+
+    /// Moves over blanks and joined line ends.
+    #[inline]
+    pub(crate) fn skip_blanks(&mut self) {
+        loop {
+            match self.peek() {
+                Some(b' ' | b'\t') => self.position += 1,
+                Some(b'\\') if self.skip_joined_line_end() => {}
+                _ => return,
+            }
+        }
+    }
+
+    /// Whether a backslash and a line end were here; the cursor is then on the next line.
+    fn skip_joined_line_end(&mut self) -> bool {
+        let length = match self.bytes.get(self.position + 1..) {
+            Some([b'\r', b'\n', ..]) => 3,
+            Some([b'\n' | b'\r', ..]) => 2,
+            _ => return false,
+        };
+        self.position += length;
+        self.line += 1;
+        true
+    }
+
+    /// Whether the statement ends here: at a line end, a comment, or the end of the input.
+    #[inline]
+    pub(crate) fn is_at_statement_end(&self) -> bool {
+        matches!(self.peek(), None | Some(b'\n' | b'\r' | b'#'))
+    }
+
+    /// The word at the cursor, up to a blank or line end.
+    #[inline]
+    pub(crate) fn word(&mut self) -> &'a [u8] {
+        let rest = &self.bytes[self.position..];
+        let is_end = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\n' | b'\r');
+        let length = rest.iter().position(is_end).unwrap_or(rest.len());
+        self.position += length;
+        &rest[..length]
+    }
+
+    /// The rest of this line without its end, taken.
+    pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
+        let rest = &self.bytes[self.position..];
+        let length = memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
+        self.position += length;
+        &rest[..length]
+    }
+
+    /// Moves over the end of this line. Does nothing where the cursor is not at one.
+    #[inline]
+    pub(crate) fn take_line_end(&mut self) {
+        match self.peek() {
+            Some(b'\n') => self.position += 1,
+            Some(b'\r') if self.bytes.get(self.position + 1) == Some(&b'\n') => self.position += 2,
+            Some(b'\r') => self.position += 1,
+            _ => return,
+        }
+        self.line += 1;
+    }
+
+    /// Moves to the start of the statement after this one.
+    pub(crate) fn skip_statement(&mut self) {
+        loop {
+            let is_comment = self.peek() == Some(b'#');
+            let skipped = self.rest_of_line();
+            let is_joined = !is_comment && skipped.last() == Some(&b'\\') && !self.is_at_end();
+            self.take_line_end();
+            if !is_joined {
+                return;
+            }
+        }
+    }
+
+    /// A number, taken with the blanks after it. It may be infinite or NaN.
+    ///
+    /// # Errors
+    ///
+    /// A [`MeshErrorKind::Syntax`] error that calls the number `what`.
+    #[inline]
+    pub(crate) fn float(&mut self, what: &str) -> Result<f32, MeshError> {
+        match parse_float(&self.bytes[self.position..]) {
+            Some((value, length)) if self.is_delimiter(self.position + length) => {
+                self.position += length;
+                self.skip_blanks();
+                Ok(value)
+            }
+            _ => Err(self.expected(what)),
+        }
+    }
+
+    /// An integer, taken alone.
+    ///
+    /// # Errors
+    ///
+    /// A [`MeshErrorKind::Syntax`] error that calls the number `what`.
+    #[inline]
+    pub(crate) fn integer(&mut self, what: &str) -> Result<i64, MeshError> {
+        match parse_integer(&self.bytes[self.position..]) {
+            Some((value, length)) => {
+                self.position += length;
+                Ok(value)
+            }
+            None => Err(self.expected(what)),
+        }
+    }
+
+    /// Whether a number may end before this byte.
+    #[inline]
+    fn is_delimiter(&self, position: usize) -> bool {
+        let byte = self.bytes.get(position);
+        matches!(byte, None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'#'))
+    }
+
+    /// An error that says what should stand here and what does.
+    #[cold]
+    pub(crate) fn expected(&self, what: &str) -> MeshError {
+        const SHOWN: usize = 24;
+        let rest = &self.bytes[self.position.min(self.bytes.len())..];
+        let length = memchr2(b'\n', b'\r', rest).unwrap_or(rest.len()).min(SHOWN);
+        let found = match length {
+            0 => "the end of the line".to_owned(),
+            _ => format!("`{}`", String::from_utf8_lossy(&rest[..length]).escape_debug()),
+        };
+        self.error(MeshErrorKind::Syntax, format!("expected {what}, found {found}"))
+    }
+
+    /// An error at the line of the cursor.
+    #[cold]
+    pub(crate) fn error(&self, kind: MeshErrorKind, message: impl Into<String>) -> MeshError {
+        MeshError::new(kind, message).at_line(self.line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_over_every_kind_of_end() {
+        let mut cursor = TextCursor::new(b"a\nb\r\nc\rd \\\n e\nf");
+        let mut words = Vec::new();
+        while !cursor.is_at_end() {
+            cursor.skip_blanks();
+            let line = cursor.line();
+            words.push((String::from_utf8_lossy(cursor.word()).into_owned(), line));
+            cursor.take_line_end();
+        }
+        let expected = [("a", 1), ("b", 2), ("c", 3), ("d", 4), ("e", 5), ("f", 6)];
+        assert_eq!(words, expected.map(|(word, line)| (word.to_owned(), line)));
+    }
+
+    #[test]
+    fn a_statement_is_skipped_with_its_joined_lines_but_a_comment_is_not_joined() {
+        let mut cursor = TextCursor::new(b"l 1 2 \\\r\n 3 4\nv # x \\\ny");
+        cursor.skip_statement();
+        assert_eq!((cursor.line(), cursor.peek()), (3, Some(b'v')));
+        cursor.advance(2);
+        cursor.skip_statement();
+        assert_eq!((cursor.line(), cursor.peek()), (4, Some(b'y')));
+    }
+
+    #[test]
+    fn numbers_end_at_blanks_only() {
+        assert_eq!(TextCursor::new(b"1.5 2").float("x"), Ok(1.5));
+        let error = TextCursor::new(b"1.2.3").float("a coordinate").unwrap_err();
+        assert_eq!(error.kind, MeshErrorKind::Syntax);
+        assert_eq!(error.to_string(), "line 1: expected a coordinate, found `1.2.3`");
+        let error = TextCursor::new(b"\n").integer("an index").unwrap_err();
+        assert_eq!(error.to_string(), "line 1: expected an index, found the end of the line");
+    }
+}
