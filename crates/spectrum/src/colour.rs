@@ -9,25 +9,23 @@ use glam::{Mat3, Vec3};
 /// the luminance. Sums to one.
 pub const LUMINANCE_WEIGHTS: [f32; 3] = [0.212_671, 0.715_160, 0.072_169];
 
-/// Linear Rec. 709 to XYZ, column by column. From the primaries (0.640, 0.330), (0.300, 0.600),
+/// Linear Rec. 709 to XYZ, row by row. From the primaries (0.640, 0.330), (0.300, 0.600),
 /// (0.150, 0.060) and the white point D65 (0.312 73, 0.329 02) of ITU-R BT.709.
-const XYZ_FROM_RGB: Mat3 = Mat3::from_cols_array(&[
-    0.412_453,
-    LUMINANCE_WEIGHTS[0],
-    0.019_334,
-    0.357_580,
-    LUMINANCE_WEIGHTS[1],
-    0.119_193,
-    0.180_423,
-    LUMINANCE_WEIGHTS[2],
-    0.950_227,
-]);
+const XYZ_FROM_RGB_ROWS: [[f64; 3]; 3] = [
+    [0.412_453, 0.357_580, 0.180_423],
+    [0.212_671, 0.715_160, 0.072_169],
+    [0.019_334, 0.119_193, 0.950_227],
+];
 
-/// The inverse of [`XYZ_FROM_RGB`], column by column.
-const RGB_FROM_XYZ: Mat3 = Mat3::from_cols_array(&[
-    3.240_479, -0.969_256, 0.055_648, -1.537_15, 1.875_991, -0.204_043, -0.498_535, 0.041_556,
-    1.057_311,
-]);
+/// The inverse of [`XYZ_FROM_RGB_ROWS`].
+const RGB_FROM_XYZ_ROWS: [[f64; 3]; 3] = [
+    [3.240_479, -1.537_150, -0.498_535],
+    [-0.969_256, 1.875_991, 0.041_556],
+    [0.055_648, -0.204_043, 1.057_311],
+];
+
+const XYZ_FROM_RGB: Mat3 = single_precision(XYZ_FROM_RGB_ROWS);
+const RGB_FROM_XYZ: Mat3 = single_precision(RGB_FROM_XYZ_ROWS);
 
 /// The relative luminance, CIE Y, of a linear Rec. 709 colour.
 #[inline]
@@ -48,6 +46,11 @@ pub fn rgb_to_xyz(rgb: [f32; 3]) -> [f32; 3] {
 #[must_use]
 pub fn xyz_to_rgb(xyz: [f32; 3]) -> [f32; 3] {
     (RGB_FROM_XYZ * Vec3::from_array(xyz)).to_array()
+}
+
+/// [`xyz_to_rgb`] for the sums over a spectrum, which are kept in double precision.
+pub(crate) fn xyz_to_rgb_f64(xyz: [f64; 3]) -> [f64; 3] {
+    RGB_FROM_XYZ_ROWS.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
 }
 
 /// The chromaticity x, y and the luminance Y of CIE XYZ. Black has the chromaticity of D65.
@@ -95,6 +98,20 @@ pub fn srgb_to_linear(encoded: f32) -> f32 {
         ((magnitude + 0.055) / 1.055).powf(2.4)
     };
     linear.copysign(encoded)
+}
+
+const fn single_precision(rows: [[f64; 3]; 3]) -> Mat3 {
+    let mut columns = [[0.0; 3]; 3];
+    let mut row = 0;
+    while row < 3 {
+        let mut column = 0;
+        while column < 3 {
+            columns[column][row] = rows[row][column] as f32;
+            column += 1;
+        }
+        row += 1;
+    }
+    Mat3::from_cols_array_2d(&columns)
 }
 
 #[cfg(test)]

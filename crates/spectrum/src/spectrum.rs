@@ -50,14 +50,14 @@ impl Spectrum {
         self.live().to_array()
     }
 
-    /// The largest of the live lanes.
+    /// The largest of the live lanes; any lane or NaN where one is NaN.
     #[inline]
     #[must_use]
     pub fn max_component(self) -> f32 {
         self.live().max_element()
     }
 
-    /// The smallest of the live lanes.
+    /// The smallest of the live lanes; any lane or NaN where one is NaN.
     #[inline]
     #[must_use]
     pub fn min_component(self) -> f32 {
@@ -103,7 +103,7 @@ impl Spectrum {
     #[inline]
     #[must_use]
     pub fn sqrt(self) -> Self {
-        self.map(f32::sqrt)
+        Self(self.0.sqrt())
     }
 
     /// The exponential of each live lane, as in the transmittance exp(−σ·t).
@@ -120,21 +120,21 @@ impl Spectrum {
         Self(self.0.abs())
     }
 
-    /// The smaller of two spectra, lane by lane.
+    /// The smaller of two spectra, lane by lane. A NaN in `self` stays, so that it is found.
     #[inline]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        Self(self.0.min(other.0))
+        Self(Vec4::select(self.0.cmpgt(other.0), other.0, self.0))
     }
 
-    /// The larger of two spectra, lane by lane.
+    /// The larger of two spectra, lane by lane. A NaN in `self` stays, so that it is found.
     #[inline]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self(self.0.max(other.0))
+        Self(Vec4::select(self.0.cmplt(other.0), other.0, self.0))
     }
 
-    /// Each live lane limited to `low..=high`.
+    /// Each live lane limited to `low..=high`. A NaN stays, so that it is found.
     #[inline]
     #[must_use]
     pub fn clamp(self, low: f32, high: f32) -> Self {
@@ -254,6 +254,19 @@ mod tests {
         assert_eq!(COLOUR.map(|x| x + 1.0).rgb(), [1.25, 1.5, 3.0]);
         assert_eq!(COLOUR.min(Spectrum::ONE).rgb(), [0.25, 0.5, 1.0]);
         assert_eq!(COLOUR.max(Spectrum::ONE).rgb(), [1.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn limits_do_not_hide_a_nan() {
+        let not_a_number = Spectrum::from_rgb([0.5, f32::NAN, 7.0]);
+        let results = [
+            not_a_number.clamp(0.0, 1.0),
+            not_a_number.min(Spectrum::ONE),
+            not_a_number.max(Spectrum::ZERO),
+        ];
+        for result in results {
+            assert!(result[0] == 0.5 && result[1].is_nan() && result[2] >= 1.0, "{result:?}");
+        }
     }
 
     #[test]

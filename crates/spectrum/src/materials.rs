@@ -1,0 +1,146 @@
+//! Named materials: measured metals and the indices of refraction of dielectrics.
+
+use crate::{SampledSpectrum, SpectrumUse, SpectrumValue};
+
+/// Sources are in `data/README.md`.
+const METALS: &str = include_str!("../data/metals.txt");
+
+const REFRACTIVE_INDICES: &str = include_str!("../data/refractive_indices.txt");
+
+/// What a line of [`METALS`] that begins a metal starts with.
+const METAL_HEADING: &str = "metal ";
+
+/// The name of the perfect mirror: a conductor without measurements.
+const PERFECT_MIRROR: &str = "none";
+
+/// The complex index of refraction η + i·k of a conductor, relative to vacuum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metal {
+    /// The real part.
+    pub eta: SpectrumValue,
+    /// The imaginary part, which absorbs.
+    pub k: SpectrumValue,
+}
+
+impl Metal {
+    /// The real part in linear Rec. 709.
+    #[must_use]
+    pub fn eta_rgb(&self) -> [f32; 3] {
+        self.eta.to_rgb(SpectrumUse::MeasuredIndex)
+    }
+
+    /// The imaginary part in linear Rec. 709.
+    #[must_use]
+    pub fn k_rgb(&self) -> [f32; 3] {
+        self.k.to_rgb(SpectrumUse::MeasuredIndex)
+    }
+}
+
+/// A metal by the name that Mitsuba's `conductor` gives it, such as `Au` or `Cu_palik`, case and
+/// all. `none` is the perfect mirror, η = 0 and k = 1. `None` for other names.
+#[must_use]
+pub fn metal(name: &str) -> Option<Metal> {
+    if name == PERFECT_MIRROR {
+        return Some(Metal { eta: SpectrumValue::Constant(0.0), k: SpectrumValue::Constant(1.0) });
+    }
+    let mut lines = METALS.lines();
+    lines.find(|line| line.strip_prefix(METAL_HEADING) == Some(name))?;
+    let rows = lines.take_while(|line| !line.starts_with(METAL_HEADING));
+    let (mut wavelengths, mut eta, mut k) = (Vec::new(), Vec::new(), Vec::new());
+    for row in rows {
+        let mut columns = row.split(' ').map(str::parse::<f32>);
+        for column in [&mut wavelengths, &mut eta, &mut k] {
+            column.push(columns.next()?.ok()?);
+        }
+    }
+    let eta = SampledSpectrum::new(wavelengths.clone(), eta).ok()?;
+    let k = SampledSpectrum::new(wavelengths, k).ok()?;
+    Some(Metal { eta: SpectrumValue::Sampled(eta), k: SpectrumValue::Sampled(k) })
+}
+
+/// The names that [`metal`] knows: first `none`, then the measured ones by alphabet.
+pub fn metal_names() -> impl Iterator<Item = &'static str> {
+    let measured = METALS.lines().filter_map(|line| line.strip_prefix(METAL_HEADING));
+    std::iter::once(PERFECT_MIRROR).chain(measured)
+}
+
+/// The index of refraction of a dielectric at 589 nm, relative to vacuum, by the name that
+/// Mitsuba's `int_ior` and `ext_ior` take, such as `bk7` or `water ice`. Case does not matter.
+#[must_use]
+pub fn refractive_index(name: &str) -> Option<f32> {
+    refractive_indices()
+        .find(|(_, known)| known.eq_ignore_ascii_case(name))
+        .and_then(|(index, _)| index.parse().ok())
+}
+
+/// The names that [`refractive_index`] knows: gases, then liquids, then solids.
+pub fn refractive_index_names() -> impl Iterator<Item = &'static str> {
+    refractive_indices().map(|(_, name)| name)
+}
+
+/// Index and name of each dielectric, as text.
+fn refractive_indices() -> impl Iterator<Item = (&'static str, &'static str)> {
+    REFRACTIVE_INDICES
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .filter_map(|line| line.split_once(' '))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What Mitsuba 3.9.1 in `scalar_rgb` makes of every material: name, η in RGB, k in RGB.
+    const MITSUBA: &str = include_str!("../data/metals_rgb.txt");
+
+    #[test]
+    fn every_metal_has_the_colours_of_mitsuba() {
+        let rows = MITSUBA.lines().filter(|line| !line.starts_with('#'));
+        let mut names: Vec<&str> = Vec::new();
+        for row in rows {
+            let (name, figures) = row.split_once(' ').expect("a name and figures");
+            let metal = metal(name).expect(name);
+            let actual = [metal.eta_rgb(), metal.k_rgb()].concat();
+            for (index, figure) in figures.split(' ').enumerate() {
+                let expected: f32 = figure.parse().expect("a number");
+                let difference = (actual[index] - expected).abs();
+                assert!(difference <= 2e-5 * expected.max(1.0), "{row}: {actual:?}");
+            }
+            names.push(name);
+        }
+        let mut known: Vec<&str> = metal_names().collect();
+        known.sort_unstable();
+        names.sort_unstable();
+        assert_eq!(known, names);
+        assert_eq!(known.len(), 72);
+    }
+
+    #[test]
+    fn gold_is_yellow_and_keeps_its_measurements() {
+        let gold = metal("Au").expect("a known metal");
+        let SpectrumValue::Sampled(eta) = &gold.eta else { panic!("gold was measured") };
+        assert_eq!((eta.wavelengths_nm()[1], eta.values()[1]), (302.400_42, 1.812));
+        let [red, _, blue] = gold.eta_rgb();
+        assert!(red < 0.2 && blue > 1.0);
+    }
+
+    #[test]
+    fn unknown_metals_are_refused() {
+        for name in ["", "au", "Au ", "Unobtainium", "metal Au", "#"] {
+            assert_eq!(metal(name), None, "{name:?}");
+        }
+    }
+
+    #[test]
+    fn dielectrics_are_known_by_name() {
+        assert_eq!(refractive_index("vacuum"), Some(1.0));
+        assert_eq!(refractive_index("bk7"), Some(1.5046));
+        assert_eq!(refractive_index("Water Ice"), Some(1.31));
+        assert_eq!(refractive_index("diamond"), Some(2.419));
+        assert_eq!(refractive_index("glass"), None);
+        assert_eq!(refractive_index_names().count(), 23);
+        for name in refractive_index_names() {
+            assert!(refractive_index(name).is_some_and(|index| (1.0..3.0).contains(&index)));
+        }
+    }
+}
