@@ -7,10 +7,13 @@ use glam::{Mat3, Vec3};
 
 /// The Y row of the matrix from linear Rec. 709 to XYZ: what a unit of red, green and blue adds to
 /// the luminance. Sums to one.
-pub const LUMINANCE_WEIGHTS: [f32; 3] = [0.212_671, 0.715_160, 0.072_169];
+pub const LUMINANCE_WEIGHTS: [f32; 3] = {
+    let [red, green, blue] = XYZ_FROM_RGB_ROWS[1];
+    [red as f32, green as f32, blue as f32]
+};
 
 /// Linear Rec. 709 to XYZ, row by row. From the primaries (0.640, 0.330), (0.300, 0.600),
-/// (0.150, 0.060) and the white point D65 (0.312 73, 0.329 02) of ITU-R BT.709.
+/// (0.150, 0.060) and the white point D65 (0.3127, 0.3290) of ITU-R BT.709, to six digits.
 const XYZ_FROM_RGB_ROWS: [[f64; 3]; 3] = [
     [0.412_453, 0.357_580, 0.180_423],
     [0.212_671, 0.715_160, 0.072_169],
