@@ -1,0 +1,140 @@
+//! Interleaved samples as a file held them.
+
+use half::f16;
+
+use crate::ColorImage;
+use crate::srgb::{srgb_to_linear, srgb_u8_to_linear};
+
+/// The samples of a [`Bitmap`] in the precision of the file that they came from.
+///
+/// Integers mean a fraction of their largest value: 255 and 65535 stand for one.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Samples {
+    /// Eight bits.
+    U8(Vec<u8>),
+    /// Sixteen bits.
+    U16(Vec<u16>),
+    /// Half-precision floats.
+    F16(Vec<f16>),
+    /// Single-precision floats.
+    F32(Vec<f32>),
+}
+
+impl Samples {
+    /// How many samples there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::U8(values) => values.len(),
+            Self::U16(values) => values.len(),
+            Self::F16(values) => values.len(),
+            Self::F32(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// An image as its file held it: interleaved samples, the top row first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bitmap {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
+    pub channels: u32,
+    /// `width × height × channels` samples; the channels of a pixel lie side by side, row 0 is at
+    /// the top.
+    pub samples: Samples,
+    /// Whether colour and grey are sRGB encoded (alpha never is). So in files with 8 or 16 bits;
+    /// floating-point files are linear.
+    pub srgb: bool,
+}
+
+impl Bitmap {
+    /// Whether the last channel is alpha.
+    pub fn has_alpha(&self) -> bool {
+        self.channels == 2 || self.channels == 4
+    }
+
+    /// All samples as linear floats: integers scaled to [0, 1], and sRGB decoded where
+    /// [`srgb`](Self::srgb) says so.
+    pub fn to_linear(&self) -> Vec<f32> {
+        if self.srgb { self.decoded() } else { self.to_raw() }
+    }
+
+    /// All samples as floats, integers scaled to [0, 1], with no regard to their encoding: for
+    /// data such as normals and roughness.
+    pub fn to_raw(&self) -> Vec<f32> {
+        match &self.samples {
+            Samples::U8(values) => values.iter().map(|&v| f32::from(v) / 255.0).collect(),
+            Samples::U16(values) => values.iter().map(|&v| f32::from(v) / 65535.0).collect(),
+            Samples::F16(values) => values.iter().map(|v| v.to_f32()).collect(),
+            Samples::F32(values) => values.clone(),
+        }
+    }
+
+    /// Linear RGB triples. Grey is repeated, alpha is left out.
+    pub fn to_color_image(&self) -> ColorImage {
+        let linear = self.to_linear();
+        let color = if self.channels < 3 { [0, 0, 0] } else { [0, 1, 2] };
+        let pixels = linear
+            .chunks_exact(self.channels.max(1) as usize)
+            .map(|pixel| color.map(|channel| pixel[channel]))
+            .collect();
+        ColorImage { width: self.width, height: self.height, pixels }
+    }
+
+    /// The samples with the sRGB encoding undone on every channel but alpha.
+    fn decoded(&self) -> Vec<f32> {
+        let channels = self.channels.max(1) as usize;
+        let is_alpha = |index: usize| self.has_alpha() && index % channels == channels - 1;
+        if let Samples::U8(values) = &self.samples {
+            let decode = |(index, &value): (usize, &u8)| {
+                if is_alpha(index) { f32::from(value) / 255.0 } else { srgb_u8_to_linear(value) }
+            };
+            return values.iter().enumerate().map(decode).collect();
+        }
+        let mut values = self.to_raw();
+        for (index, value) in values.iter_mut().enumerate() {
+            if !is_alpha(index) {
+                *value = srgb_to_linear(*value);
+            }
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alpha_is_never_srgb_decoded() {
+        let samples = Samples::U8(vec![128, 128]);
+        let bitmap = Bitmap { width: 1, height: 1, channels: 2, samples, srgb: true };
+        let linear = bitmap.to_linear();
+        assert!((linear[0] - 0.215_860_5).abs() < 1e-6, "{linear:?}");
+        assert_eq!(linear[1], 128.0 / 255.0);
+    }
+
+    #[test]
+    fn precisions_agree_about_the_same_colour() {
+        let of = |samples| Bitmap { width: 1, height: 1, channels: 3, samples, srgb: true };
+        let eight = of(Samples::U8(vec![0, 51, 255])).to_linear();
+        let sixteen = of(Samples::U16(vec![0, 51 * 257, 65535])).to_linear();
+        for (a, b) in eight.iter().zip(&sixteen) {
+            assert!((a - b).abs() < 1e-6, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn grey_becomes_equal_triples() {
+        let samples = Samples::F32(vec![0.5, 0.1, 2.0, 0.2]);
+        let bitmap = Bitmap { width: 2, height: 1, channels: 2, samples, srgb: false };
+        assert_eq!(bitmap.to_color_image().pixels, vec![[0.5; 3], [2.0; 3]]);
+    }
+}

@@ -1,0 +1,135 @@
+//! The formats that the `image` crate reads and writes: PNG, JPEG, BMP, TGA, HDR and TIFF.
+
+use std::io::Cursor;
+
+use image::codecs::bmp::BmpEncoder;
+use image::codecs::hdr::HdrEncoder;
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::codecs::tiff::TiffEncoder;
+use image::{DynamicImage, ImageDecoder, ImageReader};
+
+use super::display::{AlphaMode, display_image};
+use crate::{Bitmap, EncodeOptions, FileFormat, ImageError, Limits, Picture, Samples};
+
+/// No file unpacks to more bytes than this per byte of its own: deflate ends at 1032, and a palette
+/// of one bit per pixel turns each of those into 32. A header that claims more is a lie, found
+/// before memory is taken for it.
+const LARGEST_EXPANSION: u64 = 1 << 16;
+
+/// Reads a file of the given format; `name` is the format's name for messages.
+pub(super) fn decode(
+    bytes: &[u8],
+    format: image::ImageFormat,
+    name: &'static str,
+    limits: &Limits,
+) -> Result<Bitmap, ImageError> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(decoder_limits(limits));
+    let decoder = reader.into_decoder().map_err(|error| read_error(name, error))?;
+    check_size(&decoder, bytes.len(), name, limits)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(|error| read_error(name, error))?;
+    into_bitmap(image).ok_or_else(|| ImageError::unsupported(name, "this kind of samples"))
+}
+
+/// Writes the main layer.
+pub(super) fn encode(
+    picture: &Picture,
+    format: FileFormat,
+    options: &EncodeOptions,
+) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    let mut target = Cursor::new(&mut bytes);
+    let keep = |mode| display_image(picture, options, mode);
+    let result = match format {
+        FileFormat::Png => {
+            // Rendered pictures are noisy: stronger compression costs ten times as much for a
+            // few per cent.
+            let (compression, filter) = (CompressionType::Fast, FilterType::Adaptive);
+            let encoder = PngEncoder::new_with_quality(target, compression, filter);
+            keep(AlphaMode::Straight)?.write_with_encoder(encoder)
+        }
+        FileFormat::Tiff => keep(AlphaMode::Straight)?.write_with_encoder(TiffEncoder::new(target)),
+        FileFormat::Jpeg => {
+            let quality = options.jpeg_quality.clamp(1, 100);
+            let encoder = JpegEncoder::new_with_quality(target, quality);
+            keep(AlphaMode::Dropped)?.write_with_encoder(encoder)
+        }
+        FileFormat::Bmp => {
+            keep(AlphaMode::Dropped)?.write_with_encoder(BmpEncoder::new(&mut target))
+        }
+        FileFormat::Hdr => linear_image(picture)?.write_with_encoder(HdrEncoder::new(target)),
+        FileFormat::Exr | FileFormat::Pfm => {
+            return Err(ImageError::invalid_picture("this format has a writer of its own"));
+        }
+    };
+    result.map_err(|error| ImageError::invalid_picture(error.to_string()))?;
+    Ok(bytes)
+}
+
+/// Our limits in the decoders' terms.
+fn decoder_limits(limits: &Limits) -> image::Limits {
+    let mut decoder_limits = image::Limits::default();
+    decoder_limits.max_alloc = Some(limits.bytes);
+    decoder_limits
+}
+
+/// Holds the size in the header against the limits and the size of the file.
+fn check_size(
+    decoder: &impl ImageDecoder,
+    file_size: usize,
+    name: &'static str,
+    limits: &Limits,
+) -> Result<(), ImageError> {
+    let (width, height) = decoder.dimensions();
+    let color = decoder.color_type();
+    let channels = u64::from(color.channel_count());
+    let sample_bytes = u64::from(color.bytes_per_pixel()) / channels.max(1);
+    limits.check(width.into(), height.into(), channels, sample_bytes)?;
+    if width == 0 || height == 0 {
+        return Err(ImageError::malformed(name, "the image has no pixels"));
+    }
+    if decoder.total_bytes() > (file_size as u64).saturating_mul(LARGEST_EXPANSION) {
+        let message = format!("{file_size} bytes cannot hold {width}x{height} pixels");
+        return Err(ImageError::malformed(name, message));
+    }
+    Ok(())
+}
+
+/// Takes the samples as they are. `None` for kinds of samples that no enabled decoder gives.
+fn into_bitmap(image: DynamicImage) -> Option<Bitmap> {
+    let (width, height) = (image.width(), image.height());
+    let channels = u32::from(image.color().channel_count());
+    let samples = match image {
+        DynamicImage::ImageLuma8(buffer) => Samples::U8(buffer.into_raw()),
+        DynamicImage::ImageLumaA8(buffer) => Samples::U8(buffer.into_raw()),
+        DynamicImage::ImageRgb8(buffer) => Samples::U8(buffer.into_raw()),
+        DynamicImage::ImageRgba8(buffer) => Samples::U8(buffer.into_raw()),
+        DynamicImage::ImageLuma16(buffer) => Samples::U16(buffer.into_raw()),
+        DynamicImage::ImageLumaA16(buffer) => Samples::U16(buffer.into_raw()),
+        DynamicImage::ImageRgb16(buffer) => Samples::U16(buffer.into_raw()),
+        DynamicImage::ImageRgba16(buffer) => Samples::U16(buffer.into_raw()),
+        DynamicImage::ImageRgb32F(buffer) => Samples::F32(buffer.into_raw()),
+        DynamicImage::ImageRgba32F(buffer) => Samples::F32(buffer.into_raw()),
+        _ => return None,
+    };
+    let srgb = matches!(samples, Samples::U8(_) | Samples::U16(_));
+    Some(Bitmap { width, height, channels, samples, srgb })
+}
+
+/// The main layer as linear RGB.
+fn linear_image(picture: &Picture) -> Result<DynamicImage, ImageError> {
+    let color = picture.to_color_image()?;
+    let values = color.pixels.into_flattened();
+    let buffer = image::Rgb32FImage::from_raw(picture.width, picture.height, values);
+    let buffer = buffer.ok_or_else(|| ImageError::invalid_picture("it has too few pixels"))?;
+    Ok(DynamicImage::ImageRgb32F(buffer))
+}
+
+/// Sorts a decoder's error by whose fault it is.
+fn read_error(name: &'static str, error: image::ImageError) -> ImageError {
+    match error {
+        image::ImageError::Unsupported(error) => ImageError::unsupported(name, error.to_string()),
+        error => ImageError::malformed(name, error.to_string()),
+    }
+}

@@ -1,0 +1,1 @@
+//! colours for maps of errors.

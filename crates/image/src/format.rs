@@ -1,0 +1,128 @@
+//! File formats: by extension, and by the first bytes of a file.
+
+/// A format that pictures can be written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum FileFormat {
+    /// OpenEXR: all channels and all metadata, linear.
+    Exr,
+    /// PNG: the main layer, tone mapped and sRGB encoded, 8 or 16 bits.
+    Png,
+    /// JPEG: the main layer, tone mapped and sRGB encoded, 8 bits, lossy.
+    Jpeg,
+    /// Radiance HDR: the main layer, linear, a shared exponent per pixel.
+    Hdr,
+    /// Portable float map: the main layer, linear.
+    Pfm,
+    /// BMP: the main layer, tone mapped and sRGB encoded, 8 bits.
+    Bmp,
+    /// TIFF: the main layer, tone mapped and sRGB encoded, 8 or 16 bits.
+    Tiff,
+}
+
+/// Every writable format with its extensions, the usual one first.
+const EXTENSIONS: [(FileFormat, &[&str]); 7] = [
+    (FileFormat::Exr, &["exr"]),
+    (FileFormat::Png, &["png"]),
+    (FileFormat::Jpeg, &["jpg", "jpeg"]),
+    (FileFormat::Hdr, &["hdr", "rgbe"]),
+    (FileFormat::Pfm, &["pfm"]),
+    (FileFormat::Bmp, &["bmp"]),
+    (FileFormat::Tiff, &["tif", "tiff"]),
+];
+
+impl FileFormat {
+    /// The format that files with this extension (without its dot, in any case) are written in.
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        let matches = |known: &&str| known.eq_ignore_ascii_case(extension);
+        let found =
+            EXTENSIONS.iter().find(|(_, extensions)| extensions.iter().any(|e| matches(&e)));
+        found.map(|(format, _)| *format)
+    }
+
+    /// This format's extensions without their dots, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        let found = EXTENSIONS.iter().find(|(format, _)| *format == self);
+        found.map_or(&[], |(_, extensions)| extensions)
+    }
+
+    /// Every format that can be written.
+    pub fn all() -> impl Iterator<Item = Self> {
+        EXTENSIONS.iter().map(|(format, _)| *format)
+    }
+
+    /// Whether files of this format hold linear values without an upper bound, so that exposure
+    /// and tone mapping are left to whoever looks at them.
+    pub fn is_linear(self) -> bool {
+        matches!(self, Self::Exr | Self::Hdr | Self::Pfm)
+    }
+}
+
+/// A format that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SourceFormat {
+    /// OpenEXR.
+    Exr,
+    /// Portable float map.
+    Pfm,
+    /// One of those that the `image` crate reads; the text is for messages.
+    Common(image::ImageFormat, &'static str),
+}
+
+/// Finds the format of `bytes`: by content, and by the name's extension for TGA files without a
+/// footer, which have nothing to be known by.
+pub(crate) fn recognize(bytes: &[u8], name: &str) -> Option<SourceFormat> {
+    use image::ImageFormat;
+    let starts = |magic: &[u8]| bytes.starts_with(magic);
+    let common = |format, name| Some(SourceFormat::Common(format, name));
+    if starts(&[0x76, 0x2f, 0x31, 0x01]) {
+        Some(SourceFormat::Exr)
+    } else if starts(b"\x89PNG\r\n\x1a\n") {
+        common(ImageFormat::Png, "PNG")
+    } else if starts(&[0xff, 0xd8, 0xff]) {
+        common(ImageFormat::Jpeg, "JPEG")
+    } else if starts(b"#?") {
+        common(ImageFormat::Hdr, "Radiance HDR")
+    } else if starts(b"II*\0") || starts(b"MM\0*") {
+        common(ImageFormat::Tiff, "TIFF")
+    } else if starts(b"PF") || starts(b"Pf") {
+        Some(SourceFormat::Pfm)
+    } else if bytes.ends_with(b"TRUEVISION-XFILE.\0") || has_tga_extension(name) {
+        common(ImageFormat::Tga, "TGA")
+    } else if starts(b"BM") {
+        common(ImageFormat::Bmp, "BMP")
+    } else {
+        None
+    }
+}
+
+/// Whether `name` ends in `.tga`, in any case.
+fn has_tga_extension(name: &str) -> bool {
+    name.rsplit_once('.').is_some_and(|(_, extension)| extension.eq_ignore_ascii_case("tga"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_extension_leads_back_to_its_format() {
+        for format in FileFormat::all() {
+            assert!(!format.extensions().is_empty());
+            for extension in format.extensions() {
+                assert_eq!(FileFormat::from_extension(extension), Some(format));
+                let upper = extension.to_ascii_uppercase();
+                assert_eq!(FileFormat::from_extension(&upper), Some(format));
+            }
+        }
+        assert_eq!(FileFormat::from_extension("xcf"), None);
+    }
+
+    #[test]
+    fn content_outranks_the_name() {
+        let png = b"\x89PNG\r\n\x1a\n";
+        assert!(matches!(recognize(png, "a.tga"), Some(SourceFormat::Common(_, "PNG"))));
+        assert!(matches!(recognize(b"??", "a.TGA"), Some(SourceFormat::Common(_, "TGA"))));
+        assert_eq!(recognize(b"??", "a.png"), None);
+        assert_eq!(recognize(b"", ""), None);
+    }
+}

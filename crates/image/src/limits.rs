@@ -1,0 +1,68 @@
+//! How much memory a header may ask for.
+
+use crate::ImageError;
+
+/// Bounds on what a decoder accepts. An image beyond them is an error before memory is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Most samples, that is width × height × channels.
+    pub samples: u64,
+    /// Most bytes of memory that the decoded samples may take.
+    pub bytes: u64,
+}
+
+impl Default for Limits {
+    /// 2³¹ samples and 4 GiB.
+    fn default() -> Self {
+        Self { samples: 1 << 31, bytes: 4 << 30 }
+    }
+}
+
+impl Limits {
+    /// Checks the size of an image and returns its number of samples.
+    ///
+    /// # Errors
+    /// [`ImageError::TooLarge`] if the image has too many samples or bytes.
+    pub fn check(
+        &self,
+        width: u64,
+        height: u64,
+        channels: u64,
+        bytes_per_sample: u64,
+    ) -> Result<usize, ImageError> {
+        let samples = width.saturating_mul(height).saturating_mul(channels);
+        if samples > self.samples {
+            let (what, allowed) = ("samples", self.samples);
+            return Err(ImageError::TooLarge { what, requested: samples, allowed });
+        }
+        let bytes = samples.saturating_mul(bytes_per_sample);
+        if bytes > self.bytes {
+            let (what, allowed) = ("bytes", self.bytes);
+            return Err(ImageError::TooLarge { what, requested: bytes, allowed });
+        }
+        usize::try_from(samples).map_err(|_| ImageError::TooLarge {
+            what: "samples",
+            requested: samples,
+            allowed: usize::MAX as u64,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_beyond_64_bits_are_too_large() {
+        let error = Limits::default().check(1 << 32, 1 << 32, 4, 4).unwrap_err();
+        assert!(matches!(error, ImageError::TooLarge { what: "samples", .. }));
+    }
+
+    #[test]
+    fn bytes_are_limited_apart_from_samples() {
+        let limits = Limits { samples: 100, bytes: 100 };
+        assert_eq!(limits.check(10, 10, 1, 1), Ok(100));
+        let error = limits.check(10, 10, 1, 2).unwrap_err();
+        assert_eq!(error, ImageError::TooLarge { what: "bytes", requested: 200, allowed: 100 });
+    }
+}

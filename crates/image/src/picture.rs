@@ -1,0 +1,254 @@
+//! Planar pictures with named channels and metadata: what films write and comparisons read.
+
+use crate::{ColorImage, ImageError};
+
+/// A rectangle of pixels, as OpenEXR's display window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// Leftmost pixel.
+    pub x: i32,
+    /// Topmost pixel.
+    pub y: i32,
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+}
+
+/// One channel of a [`Picture`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// The channel's name, such as `R`, `albedo.R` or `depth.Z`.
+    pub name: String,
+    /// `width × height` values, the top row first.
+    pub data: Vec<f32>,
+}
+
+/// The value of a header attribute.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum MetadataValue {
+    /// Text; UTF-8.
+    Text(String),
+    /// A signed 32-bit integer.
+    Integer(i32),
+    /// A 32-bit float.
+    Float(f32),
+    /// A 64-bit float.
+    Double(f64),
+    /// Two floats.
+    Vector2([f32; 2]),
+    /// Three floats.
+    Vector3([f32; 3]),
+    /// A 3 × 3 matrix, row by row.
+    Matrix3([f32; 9]),
+    /// A 4 × 4 matrix, row by row.
+    Matrix4([f32; 16]),
+    /// x and y of the red, green and blue primaries and of the white point (CIE 1931).
+    Chromaticities([f32; 8]),
+}
+
+/// A picture of any number of named channels, planar, with metadata.
+///
+/// The channels cover the *data window*: the `width × height` pixels from
+/// [`data_origin`](Self::data_origin) on. The [`display_window`](Self::display_window) is the
+/// whole that it belongs to: larger if only a crop was rendered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Width of the data window in pixels.
+    pub width: u32,
+    /// Height of the data window in pixels.
+    pub height: u32,
+    /// The channels; names must differ.
+    pub channels: Vec<Layer>,
+    /// Attributes by name; names must differ. Kept by OpenEXR only.
+    pub metadata: Vec<(String, MetadataValue)>,
+    /// The data window's left top corner, in the coordinates of the display window.
+    pub data_origin: [i32; 2],
+    /// The whole picture, of which the channels may be a part. Kept by OpenEXR only.
+    pub display_window: Window,
+}
+
+/// Which channels of a [`Picture`] are its picture proper: indices into
+/// [`Picture::channels`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MainLayer {
+    /// Red, green and blue; three times the same for grey.
+    pub color: [usize; 3],
+    /// Alpha, if there is one. Colours are premultiplied with it, as in OpenEXR.
+    pub alpha: Option<usize>,
+    /// Whether the picture is grey.
+    pub is_grey: bool,
+}
+
+impl Picture {
+    /// A picture without channels whose data and display window are `width × height`.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            channels: Vec::new(),
+            metadata: Vec::new(),
+            data_origin: [0, 0],
+            display_window: Window { x: 0, y: 0, width, height },
+        }
+    }
+
+    /// A picture with the channels `R`, `G` and `B`.
+    pub fn from_color_image(image: &ColorImage) -> Self {
+        let mut picture = Self::new(image.width, image.height);
+        for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+            picture.push(name, image.pixels.iter().map(|pixel| pixel[channel]).collect());
+        }
+        picture
+    }
+
+    /// Adds a channel.
+    pub fn push(&mut self, name: impl Into<String>, data: Vec<f32>) {
+        self.channels.push(Layer { name: name.into(), data });
+    }
+
+    /// The channel of this name.
+    pub fn channel(&self, name: &str) -> Option<&Layer> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// The attribute of this name.
+    pub fn metadata(&self, name: &str) -> Option<&MetadataValue> {
+        self.metadata.iter().find(|(key, _)| key == name).map(|(_, value)| value)
+    }
+
+    /// The channels that are the picture proper: `R`, `G`, `B` with `A`, else `Y` with `A`, else
+    /// the first group such as `diffuse.R`, `diffuse.G`, `diffuse.B`, else the only channel.
+    pub fn main_layer(&self) -> Option<MainLayer> {
+        find_main_layer(&self.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>())
+    }
+
+    /// The main layer as linear triples, without alpha.
+    ///
+    /// # Errors
+    /// [`ImageError::InvalidPicture`] if there is no main layer or the picture is not
+    /// [valid](Self::validate).
+    pub fn to_color_image(&self) -> Result<ColorImage, ImageError> {
+        self.validate()?;
+        let main = self.require_main_layer()?;
+        let [red, green, blue] = main.color.map(|index| &self.channels[index].data);
+        let color = red.iter().zip(green).zip(blue);
+        let pixels = color.map(|((&red, &green), &blue)| [red, green, blue]).collect();
+        Ok(ColorImage { width: self.width, height: self.height, pixels })
+    }
+
+    /// Checks that every channel has `width × height` values and a name of its own.
+    ///
+    /// # Errors
+    /// [`ImageError::InvalidPicture`] that names the first offender.
+    pub fn validate(&self) -> Result<(), ImageError> {
+        let expected = self.width as usize * self.height as usize;
+        if expected == 0 {
+            return Err(ImageError::invalid_picture("it has no pixels"));
+        }
+        for channel in &self.channels {
+            if channel.data.len() != expected {
+                return Err(ImageError::invalid_picture(format!(
+                    "channel '{}' has {} values instead of {expected}",
+                    channel.name,
+                    channel.data.len(),
+                )));
+            }
+        }
+        require_distinct("channel", self.channels.iter().map(|channel| channel.name.as_str()))?;
+        require_distinct("attribute", self.metadata.iter().map(|(name, _)| name.as_str()))
+    }
+
+    /// The main layer, or an error that lists the channels there are.
+    pub(crate) fn require_main_layer(&self) -> Result<MainLayer, ImageError> {
+        self.main_layer().ok_or_else(|| {
+            let names: Vec<_> = self.channels.iter().map(|c| c.name.as_str()).collect();
+            ImageError::invalid_picture(format!(
+                "it has neither colour nor grey channels, but only: {}",
+                names.join(", ")
+            ))
+        })
+    }
+}
+
+/// Fails on the first name that occurs twice.
+fn require_distinct<'a>(
+    what: &str,
+    names: impl Iterator<Item = &'a str>,
+) -> Result<(), ImageError> {
+    let mut seen = std::collections::HashSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            return Err(ImageError::invalid_picture(format!("{what} '{name}' occurs twice")));
+        }
+    }
+    Ok(())
+}
+
+/// The rule of [`Picture::main_layer`] over channel names.
+pub(crate) fn find_main_layer(names: &[&str]) -> Option<MainLayer> {
+    let color_groups = names.iter().filter_map(|name| name.strip_suffix(".R"));
+    find_color(names, "")
+        .or_else(|| find_grey(names, "Y"))
+        .or_else(|| color_groups.into_iter().find_map(|group| find_color(names, group)))
+        .or_else(|| if let [only] = names { find_grey(names, only) } else { None })
+}
+
+/// The channels R, G, B and A of a named group; the unnamed group is the top level.
+fn find_color(names: &[&str], group: &str) -> Option<MainLayer> {
+    let find = |letter: &str| {
+        let belongs = |name: &&str| match name.rsplit_once('.') {
+            Some((prefix, last)) => prefix == group && last == letter,
+            None => group.is_empty() && *name == letter,
+        };
+        names.iter().position(belongs)
+    };
+    let color = [find("R")?, find("G")?, find("B")?];
+    Some(MainLayer { color, alpha: find("A"), is_grey: false })
+}
+
+/// A grey channel, and alpha of the top level.
+fn find_grey(names: &[&str], grey: &str) -> Option<MainLayer> {
+    let find = |wanted: &str| names.iter().position(|name| *name == wanted);
+    let alpha = find("A").filter(|_| grey != "A");
+    Some(MainLayer { color: [find(grey)?; 3], alpha, is_grey: true })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn main_layer_prefers_plain_colour_then_grey_then_the_first_group() {
+        let plain = find_main_layer(&["albedo.R", "A", "B", "G", "R"]).unwrap();
+        assert_eq!(plain, MainLayer { color: [4, 3, 2], alpha: Some(1), is_grey: false });
+        let grey = find_main_layer(&["x.R", "x.G", "x.B", "Y"]).unwrap();
+        assert_eq!(grey, MainLayer { color: [3; 3], alpha: None, is_grey: true });
+        let group = find_main_layer(&["z", "a.b.B", "a.b.G", "a.b.R", "A"]).unwrap();
+        assert_eq!(group, MainLayer { color: [3, 2, 1], alpha: None, is_grey: false });
+        let only = find_main_layer(&["depth.Z"]).unwrap();
+        assert_eq!(only.color, [0; 3]);
+        assert_eq!(find_main_layer(&["depth.Z", "normal.X"]), None);
+        assert_eq!(find_main_layer(&[]), None);
+    }
+
+    #[test]
+    fn contradictions_are_found() {
+        let mut picture = Picture::new(2, 1);
+        picture.push("R", vec![0.0; 2]);
+        assert_eq!(picture.validate(), Ok(()));
+        picture.push("R", vec![0.0; 2]);
+        assert!(picture.validate().unwrap_err().to_string().contains("'R' occurs twice"));
+        picture.channels[1] = Layer { name: "G".into(), data: vec![0.0; 3] };
+        assert!(picture.validate().unwrap_err().to_string().contains("3 values instead of 2"));
+        assert!(Picture::new(0, 4).validate().is_err());
+    }
+
+    #[test]
+    fn colours_survive_being_planar() {
+        let pixels = vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+        let image = ColorImage { width: 1, height: 2, pixels };
+        assert_eq!(Picture::from_color_image(&image).to_color_image(), Ok(image));
+    }
+}

@@ -1,0 +1,139 @@
+//! The sRGB transfer functions (IEC 61966-2-1), exact and by table.
+
+use std::sync::LazyLock;
+
+/// Encodes a linear value, one being white. Zero and above follow the standard also beyond one;
+/// negative values are mirrored at zero.
+pub fn linear_to_srgb(linear: f32) -> f32 {
+    let magnitude = linear.abs();
+    let encoded = if magnitude <= 0.003_130_8 {
+        12.92 * magnitude
+    } else {
+        1.055 * magnitude.powf(1.0 / 2.4) - 0.055
+    };
+    encoded.copysign(linear)
+}
+
+/// Decodes an sRGB value, one being white: the inverse of [`linear_to_srgb`].
+pub fn srgb_to_linear(encoded: f32) -> f32 {
+    let magnitude = encoded.abs();
+    let linear = if magnitude <= 0.040_45 {
+        magnitude / 12.92
+    } else {
+        ((magnitude + 0.055) / 1.055).powf(2.4)
+    };
+    linear.copysign(encoded)
+}
+
+/// Decodes an 8-bit sRGB value, 255 being white, by a table of all 256.
+pub fn srgb_u8_to_linear(encoded: u8) -> f32 {
+    LINEAR_OF_U8[usize::from(encoded)]
+}
+
+/// The linear values of all 256 codes: [`srgb_u8_to_linear`] for inner loops.
+pub fn linear_of_srgb_u8() -> &'static [f32; 256] {
+    &LINEAR_OF_U8
+}
+
+/// Encodes a linear value to the nearest of 256 codes, 255 being white. Values outside [0, 1] are
+/// clamped and NaN becomes zero.
+///
+/// The result is that of rounding the exact function, at a few nanoseconds instead of a power: a
+/// table over the float's exponent and upper mantissa bits gives the first code of the interval,
+/// and comparisons with the codes' true thresholds do the rest.
+pub fn linear_to_srgb_u8(linear: f32) -> u8 {
+    let encoder = &*U8_ENCODER;
+    // The comparison is false for NaN, which thereby becomes zero.
+    if !(linear >= encoder.thresholds[0]) {
+        return 0;
+    }
+    if linear >= encoder.thresholds[254] {
+        return 255;
+    }
+    let interval = (linear.to_bits() >> INTERVAL_SHIFT) - FIRST_INTERVAL;
+    let mut code = encoder.first_codes[interval as usize];
+    while linear >= encoder.thresholds[usize::from(code)] {
+        code += 1;
+    }
+    code
+}
+
+static LINEAR_OF_U8: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| decode_f64(code as f64 / 255.0) as f32));
+
+static U8_ENCODER: LazyLock<U8Encoder> = LazyLock::new(U8Encoder::new);
+
+/// An interval keeps the exponent and six bits of the mantissa.
+const INTERVAL_SHIFT: u32 = 23 - 6;
+/// Intervals begin at 2⁻¹³, below the threshold of code 1 (about 1.5e-4).
+const FIRST_INTERVAL: u32 = (127 - 13) << 6;
+/// Thirteen octaves of 64 intervals, up to one.
+const INTERVAL_COUNT: usize = 13 * 64;
+
+/// The tables behind [`linear_to_srgb_u8`].
+struct U8Encoder {
+    /// `thresholds[code]` is the least linear value whose code is above `code`.
+    thresholds: [f32; 255],
+    /// The code of the least value of each interval.
+    first_codes: [u8; INTERVAL_COUNT],
+}
+
+impl U8Encoder {
+    fn new() -> Self {
+        let thresholds: [f32; 255] =
+            std::array::from_fn(|code| decode_f64((code as f64 + 0.5) / 255.0) as f32);
+        let first_codes = std::array::from_fn(|interval| {
+            let start = f32::from_bits((interval as u32 + FIRST_INTERVAL) << INTERVAL_SHIFT);
+            // At most 255, as there are 255 thresholds.
+            thresholds.partition_point(|&threshold| threshold <= start) as u8
+        });
+        Self { thresholds, first_codes }
+    }
+}
+
+/// [`srgb_to_linear`] in double precision, for tables.
+fn decode_f64(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_values() {
+        for (linear, encoded) in [(0.0, 0.0), (0.5, 0.735_357), (1.0, 1.0), (0.002, 0.025_84)] {
+            assert!((linear_to_srgb(linear) - encoded).abs() < 1e-6, "{linear}");
+            assert!((srgb_to_linear(encoded) - linear).abs() < 1e-6, "{encoded}");
+        }
+        assert_eq!(linear_to_srgb(-0.5), -linear_to_srgb(0.5));
+    }
+
+    #[test]
+    fn every_code_survives_the_way_to_linear_and_back() {
+        for code in 0..=255 {
+            assert_eq!(linear_to_srgb_u8(srgb_u8_to_linear(code)), code);
+        }
+    }
+
+    #[test]
+    fn the_table_rounds_as_the_exact_function_does() {
+        // Every 997th float of [0, 2): all exponents, all intervals. Skipped is only the
+        // neighbourhood of a threshold, where `powf` itself may round either way.
+        for bits in (0..2.0f32.to_bits()).step_by(997) {
+            let linear = f32::from_bits(bits);
+            let exact = linear_to_srgb(linear.min(1.0)) * 255.0;
+            if (exact.fract() - 0.5).abs() > 1e-4 {
+                assert_eq!(linear_to_srgb_u8(linear), exact.round() as u8, "{linear}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_outside_are_clamped() {
+        assert_eq!(linear_to_srgb_u8(-1.0), 0);
+        assert_eq!(linear_to_srgb_u8(f32::NEG_INFINITY), 0);
+        assert_eq!(linear_to_srgb_u8(f32::NAN), 0);
+        assert_eq!(linear_to_srgb_u8(f32::INFINITY), 255);
+    }
+}

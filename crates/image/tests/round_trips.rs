@@ -1,0 +1,162 @@
+//! Every format and depth, written and read back.
+
+use etendue_image::{
+    BitDepth, EncodeOptions, ExrCompression, ExrPrecision, FileFormat, MetadataValue, Picture,
+    Samples, Window, decode, decode_exr_layers, decode_picture, encode,
+};
+
+/// A picture of 37 × 21 pixels (no multiple of any block) whose channels hold smooth ramps, each
+/// with values of its own.
+fn ramps(names: &[&str]) -> Picture {
+    let (width, height) = (37, 21);
+    let mut picture = Picture::new(width, height);
+    for (channel, name) in names.iter().enumerate() {
+        let value = |index: u32| {
+            let (x, y) = (index % width, index / width);
+            (x as f32 / 36.0 * 0.7 + y as f32 / 20.0 * 0.3) * (1.0 - 0.2 * channel as f32)
+        };
+        picture.push(*name, (0..width * height).map(value).collect());
+    }
+    picture
+}
+
+/// The largest difference between two channels.
+fn largest_difference(a: &[f32], b: &[f32]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn exr_keeps_every_channel_and_all_metadata() {
+    let mut picture = ramps(&["R", "G", "B", "A", "albedo.R", "normal.X", "depth.Z"]);
+    picture.channels[6].data[5] = f32::INFINITY;
+    picture.channels[0].data[0] = -1.5e-30;
+    picture.data_origin = [-3, 12];
+    picture.display_window = Window { x: -10, y: 2, width: 100, height: 90 };
+    let matrix = std::array::from_fn(|index| index as f32);
+    picture.metadata = vec![
+        ("etendue:camera".into(), MetadataValue::Matrix4(matrix)),
+        ("etendue:seconds".into(), MetadataValue::Double(1.0 / 3.0)),
+        ("etendue:spp".into(), MetadataValue::Integer(-7)),
+        ("etendue:title".into(), MetadataValue::Text("Étendue".into())),
+        ("exposure".into(), MetadataValue::Float(0.25)),
+        ("n".repeat(200), MetadataValue::Vector2([1.0, 2.0])),
+        ("owner".into(), MetadataValue::Text(String::new())),
+        ("uv".into(), MetadataValue::Vector3([1.0, 2.0, 3.0])),
+        ("w".into(), MetadataValue::Matrix3([1.0; 9])),
+    ];
+    for exr_compression in [ExrCompression::None, ExrCompression::Zip] {
+        let options = EncodeOptions { exr_compression, ..EncodeOptions::default() };
+        let bytes = encode(&picture, FileFormat::Exr, &options).unwrap();
+        let mut read = decode_exr_layers(&bytes).unwrap();
+        for channel in &picture.channels {
+            assert_eq!(read.channel(&channel.name), Some(channel), "{exr_compression:?}");
+        }
+        assert_eq!(read.channels.len(), picture.channels.len());
+        let primaries = read.metadata.remove(0);
+        assert_eq!(primaries.0, "chromaticities");
+        assert_eq!(read.metadata, picture.metadata);
+        assert_eq!((read.width, read.height), (37, 21));
+        assert_eq!(read.data_origin, picture.data_origin);
+        assert_eq!(read.display_window, picture.display_window);
+        assert_eq!(encode(&picture, FileFormat::Exr, &options).unwrap(), bytes);
+    }
+}
+
+#[test]
+fn exr_halves_round_to_nearest_and_saturate() {
+    let mut picture = ramps(&["Y"]);
+    picture.channels[0].data[..4].copy_from_slice(&[1e9, -1e9, f32::INFINITY, 1.0 / 3.0]);
+    let options = EncodeOptions { exr_precision: ExrPrecision::Half, ..EncodeOptions::default() };
+    let bytes = encode(&picture, FileFormat::Exr, &options).unwrap();
+    let bitmap = decode(&bytes, "").unwrap();
+    assert_eq!(bitmap.channels, 1);
+    assert!(!bitmap.srgb);
+    let Samples::F16(samples) = bitmap.samples else { panic!("halves expected") };
+    let values: Vec<f32> = samples.iter().map(|half| half.to_f32()).collect();
+    assert_eq!(values[..4], [65504.0, -65504.0, f32::INFINITY, 0.333_251_95]);
+    assert!(largest_difference(&values[4..], &picture.channels[0].data[4..]) < 2.5e-4);
+}
+
+#[test]
+fn pfm_keeps_colour_and_grey_exactly() {
+    for names in [&["R", "G", "B"][..], &["Y"]] {
+        let picture = ramps(names);
+        let bytes = encode(&picture, FileFormat::Pfm, &EncodeOptions::default()).unwrap();
+        assert_eq!(decode_picture(&bytes, "a.pfm").unwrap(), picture);
+    }
+}
+
+#[test]
+fn hdr_keeps_eight_bits_of_the_largest_channel() {
+    let picture = ramps(&["R", "G", "B"]);
+    let bytes = encode(&picture, FileFormat::Hdr, &EncodeOptions::default()).unwrap();
+    let read = decode_picture(&bytes, "").unwrap();
+    for (a, b) in read.channels.iter().zip(&picture.channels) {
+        assert!(largest_difference(&a.data, &b.data) <= 1.0 / 128.0, "{}", a.name);
+    }
+}
+
+/// How many 8-bit steps the read samples are off at most, in each format that stores them.
+#[test]
+fn display_formats_keep_what_their_depth_allows() {
+    use FileFormat::{Bmp, Png, Tiff};
+    let cases: [(FileFormat, &[&str], BitDepth, f32); 10] = [
+        (Png, &["R", "G", "B"], BitDepth::Eight, 0.51),
+        (Png, &["R", "G", "B", "A"], BitDepth::Eight, 0.51),
+        (Png, &["Y"], BitDepth::Eight, 0.51),
+        (Png, &["Y", "A"], BitDepth::Eight, 0.51),
+        (Png, &["R", "G", "B"], BitDepth::Sixteen, 0.002),
+        (Png, &["R", "G", "B", "A"], BitDepth::Sixteen, 0.002),
+        (Png, &["Y"], BitDepth::Sixteen, 0.002),
+        (Tiff, &["R", "G", "B"], BitDepth::Eight, 0.51),
+        (Tiff, &["R", "G", "B"], BitDepth::Sixteen, 0.002),
+        (Bmp, &["R", "G", "B"], BitDepth::Eight, 0.51),
+    ];
+    for (format, names, bit_depth, tolerance) in cases {
+        let mut picture = ramps(names);
+        if names.contains(&"A") {
+            picture.channels.last_mut().unwrap().data.fill(1.0);
+        }
+        let options = EncodeOptions { bit_depth, ..EncodeOptions::default() };
+        let bytes = encode(&picture, format, &options).unwrap();
+        let bitmap = decode(&bytes, "").unwrap();
+        assert_eq!(bitmap.channels as usize, names.len(), "{format:?} {names:?}");
+        assert_eq!(matches!(bitmap.samples, Samples::U8(_)), bit_depth == BitDepth::Eight);
+        assert!(bitmap.srgb);
+        let stored = bitmap.to_raw();
+        for (channel, layer) in picture.channels.iter().enumerate() {
+            let read: Vec<f32> =
+                stored.iter().skip(channel).step_by(names.len()).copied().collect();
+            let is_alpha = layer.name == "A";
+            let encoded =
+                |&v: &f32| if is_alpha { v } else { etendue_image::srgb::linear_to_srgb(v) };
+            let expected: Vec<f32> = layer.data.iter().map(encoded).collect();
+            let steps = largest_difference(&read, &expected) * 255.0;
+            assert!(steps <= tolerance, "{format:?} {names:?} {bit_depth:?}: {steps}");
+        }
+    }
+}
+
+/// The mean difference of the stored bytes from the right ones, in steps.
+fn jpeg_error(picture: &Picture, jpeg_quality: u8) -> f32 {
+    let options = EncodeOptions { jpeg_quality, ..EncodeOptions::default() };
+    let bytes = encode(picture, FileFormat::Jpeg, &options).unwrap();
+    let read = decode(&bytes, "").unwrap();
+    let exact = decode(&encode(picture, FileFormat::Png, &options).unwrap(), "").unwrap();
+    assert_eq!(read.channels, exact.channels);
+    let (read, exact) = (read.to_raw(), exact.to_raw());
+    let sum: f32 = read.iter().zip(&exact).map(|(a, b)| (a - b).abs()).sum();
+    sum / read.len() as f32 * 255.0
+}
+
+#[test]
+fn jpeg_is_near_and_nearer_with_more_quality() {
+    for names in [&["R", "G", "B"][..], &["Y"]] {
+        let picture = ramps(names);
+        let (low, default, best) =
+            (jpeg_error(&picture, 10), jpeg_error(&picture, 95), jpeg_error(&picture, 100));
+        assert!(low > default && default > best, "{low} {default} {best}");
+        assert!(default < 2.0, "{default}");
+    }
+}
