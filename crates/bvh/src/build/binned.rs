@@ -1,0 +1,318 @@
+//! The binary tree: binned surface area heuristic, top down, in parallel.
+//!
+//! Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). On the way up,
+//! each node learns what its best conversion into wide nodes costs; see `collapse`.
+
+use super::MAX_COST_DEPTH;
+use super::collapse::{Costs, Plan};
+use super::reference::Reference;
+use crate::options::BuildOptions;
+use etendue_math::Bounds3;
+use glam::{Vec3, Vec4};
+
+/// A node of the binary tree and the references below it. Its left child follows it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BinaryNode {
+    min: Vec3,
+    max: Vec3,
+    /// The first reference.
+    pub(super) first: u32,
+    /// How many references.
+    pub(super) count: u32,
+    /// The right child's place; 0 for a leaf.
+    pub(super) right: u32,
+    /// How the node is best converted into wide nodes.
+    pub(super) plan: Plan,
+}
+
+impl BinaryNode {
+    pub(super) fn bounds(&self) -> Bounds3 {
+        Bounds3::new(self.min, self.max)
+    }
+}
+
+/// A box in SIMD registers; the fourth components mean nothing.
+#[derive(Clone, Copy)]
+struct Box4 {
+    min: Vec4,
+    max: Vec4,
+}
+
+impl Box4 {
+    const EMPTY: Self =
+        Self { min: Vec4::splat(f32::INFINITY), max: Vec4::splat(f32::NEG_INFINITY) };
+
+    #[inline(always)]
+    fn grow(&mut self, min: Vec4, max: Vec4) {
+        self.min = self.min.min(min);
+        self.max = self.max.max(max);
+    }
+
+    #[inline(always)]
+    fn half_area(&self) -> f32 {
+        let extent = (self.max - self.min).truncate().max(Vec3::ZERO);
+        extent.x * (extent.y + extent.z) + extent.y * extent.z
+    }
+}
+
+/// The boxes of a range of references and of their centres.
+#[derive(Clone, Copy)]
+struct Extent {
+    bounds: Box4,
+    centers: Box4,
+}
+
+impl Extent {
+    const EMPTY: Self = Self { bounds: Box4::EMPTY, centers: Box4::EMPTY };
+
+    #[inline(always)]
+    fn add(&mut self, reference: &Reference) {
+        let center = reference.center();
+        self.bounds.grow(reference.min, reference.max);
+        self.centers.grow(center, center);
+    }
+
+    fn of(references: &[Reference]) -> Self {
+        let mut extent = Self::EMPTY;
+        references.iter().for_each(|reference| extent.add(reference));
+        extent
+    }
+}
+
+const MAX_BINS: usize = 32;
+
+/// Ranges of more references are divided between threads.
+const PARALLEL: usize = 4096;
+
+/// What the recursion carries along unchanged.
+struct Builder {
+    bin_count: usize,
+    node_cost: f32,
+}
+
+/// A part of the tree to build: its references, its places in the tree, and where they begin.
+struct Task<'a> {
+    references: &'a mut [Reference],
+    first: usize,
+    nodes: &'a mut [BinaryNode],
+    place: usize,
+    extent: Extent,
+    depth: usize,
+}
+
+/// What a finished part of the tree tells its parent.
+#[derive(Clone, Copy)]
+pub(super) struct Finished {
+    pub(super) costs: Costs,
+    pub(super) custom_count: usize,
+}
+
+/// Builds the tree and orders the references by its leaves. The root is first; places of no node
+/// lie between.
+pub(super) fn build(references: &mut [Reference], options: &BuildOptions) -> Vec<BinaryNode> {
+    if references.is_empty() {
+        return Vec::new();
+    }
+    let mut nodes = vec![BinaryNode::default(); 2 * references.len() - 1];
+    let builder = Builder {
+        bin_count: (options.bin_count as usize).clamp(2, MAX_BINS),
+        node_cost: options.node_cost,
+    };
+    let extent = Extent::of(references);
+    builder.build(Task { references, first: 0, nodes: &mut nodes, place: 0, extent, depth: 0 });
+    nodes
+}
+
+impl Builder {
+    fn build(&self, task: Task<'_>) -> Finished {
+        let Task { references, first, nodes, place, extent, depth } = task;
+        let count = references.len();
+        let (node, below) = nodes.split_first_mut().expect("a task has a place for its root");
+        node.min = extent.bounds.min.truncate();
+        node.max = extent.bounds.max.truncate();
+        (node.first, node.count) = (first as u32, count as u32);
+        let area = extent.bounds.half_area();
+        if count == 1 {
+            let custom_count = usize::from(references[0].is_custom());
+            return Finished { costs: Costs::leaf(area), custom_count };
+        }
+        let (middle, [left_extent, right_extent]) = self.split(references, &extent, depth);
+        let (left_references, right_references) = references.split_at_mut(middle);
+        let (left_nodes, right_nodes) = below.split_at_mut(2 * middle - 1);
+        let right_place = place + 2 * middle;
+        node.right = right_place as u32;
+        let left = Task {
+            references: left_references,
+            first,
+            nodes: left_nodes,
+            place: place + 1,
+            extent: left_extent,
+            depth: depth + 1,
+        };
+        let right = Task {
+            references: right_references,
+            first: first + middle,
+            nodes: right_nodes,
+            place: right_place,
+            extent: right_extent,
+            depth: depth + 1,
+        };
+        let (left, right) = if count > PARALLEL {
+            rayon::join(|| self.build(left), || self.build(right))
+        } else {
+            (self.build(left), self.build(right))
+        };
+        let custom_count = left.custom_count + right.custom_count;
+        let (costs, plan) = Costs::combine(
+            [&left.costs, &right.costs],
+            area,
+            self.node_cost,
+            (count, custom_count),
+        );
+        node.plan = plan;
+        Finished { costs, custom_count }
+    }
+
+    /// Reorders the references into two parts and says where the second begins.
+    fn split(
+        &self,
+        references: &mut [Reference],
+        extent: &Extent,
+        depth: usize,
+    ) -> (usize, [Extent; 2]) {
+        let split = (depth < MAX_COST_DEPTH).then(|| self.find_split(references, extent)).flatten();
+        if let Some(split) = split {
+            return partition(references, &split);
+        }
+        // No plane parts the centres, or the tree is too deep: halve.
+        let middle = references.len() / 2;
+        let extents = [Extent::of(&references[..middle]), Extent::of(&references[middle..])];
+        (middle, extents)
+    }
+
+    /// The cheapest of the planes between bins, if any parts the centres.
+    fn find_split(&self, references: &[Reference], extent: &Extent) -> Option<Split> {
+        let binning = Binning::new(extent, self.bin_count.min(references.len().max(2)));
+        let mut bins = Bins::EMPTY;
+        bins.reset(binning.count);
+        for reference in references {
+            let [x, y, z] = binning.bins(reference);
+            bins.add(0, x, reference);
+            bins.add(1, y, reference);
+            bins.add(2, z, reference);
+        }
+        let mut best = None;
+        let mut least = f32::INFINITY;
+        for axis in 0..3 {
+            if binning.scale[axis] == 0.0 {
+                continue;
+            }
+            let (plane, cost) = bins.best_plane(axis, binning.count);
+            if cost < least {
+                least = cost;
+                best = Some(Split { binning, axis, plane });
+            }
+        }
+        best
+    }
+}
+
+/// References go left if their bin on the axis is below the plane.
+struct Split {
+    binning: Binning,
+    axis: usize,
+    plane: usize,
+}
+
+/// How centres are sorted into bins.
+#[derive(Clone, Copy)]
+struct Binning {
+    origin: Vec4,
+    scale: Vec4,
+    count: usize,
+}
+
+impl Binning {
+    fn new(extent: &Extent, count: usize) -> Self {
+        let size = extent.centers.max - extent.centers.min;
+        // Slightly less than one, so that the last centre is in the last bin.
+        let scale = Vec4::splat(count as f32 * 0.999_99) / size;
+        // An axis on which the centres agree, or are so near or far that it overflows, is flat.
+        let usable = size.cmpgt(Vec4::ZERO) & scale.cmplt(Vec4::splat(f32::MAX));
+        Self { origin: extent.centers.min, scale: Vec4::select(usable, scale, Vec4::ZERO), count }
+    }
+
+    #[inline(always)]
+    fn bins(&self, reference: &Reference) -> [usize; 3] {
+        let place = (reference.center() - self.origin) * self.scale;
+        let last = self.count as i32 - 1;
+        [place.x, place.y, place.z].map(|place| (place as i32).clamp(0, last) as usize)
+    }
+}
+
+/// What fell into each bin of each axis.
+struct Bins {
+    boxes: [[Box4; MAX_BINS]; 3],
+    counts: [[u32; MAX_BINS]; 3],
+}
+
+impl Bins {
+    const EMPTY: Self = Self { boxes: [[Box4::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+
+    fn reset(&mut self, _count: usize) {}
+
+    #[inline(always)]
+    fn add(&mut self, axis: usize, bin: usize, reference: &Reference) {
+        self.boxes[axis][bin].grow(reference.min, reference.max);
+        self.counts[axis][bin] += 1;
+    }
+
+    /// The first bin of the right side, and the cost; infinite if no plane parts the references.
+    fn best_plane(&self, axis: usize, count: usize) -> (usize, f32) {
+        let mut right_costs = [f32::INFINITY; MAX_BINS];
+        let (mut bounds, mut total) = (Box4::EMPTY, 0);
+        for bin in (1..count).rev() {
+            let of_bin = &self.boxes[axis][bin];
+            bounds.grow(of_bin.min, of_bin.max);
+            total += self.counts[axis][bin];
+            if total > 0 {
+                right_costs[bin] = bounds.half_area() * total as f32;
+            }
+        }
+        let mut best = (0, f32::INFINITY);
+        let (mut bounds, mut total) = (Box4::EMPTY, 0);
+        for plane in 1..count {
+            let of_bin = &self.boxes[axis][plane - 1];
+            bounds.grow(of_bin.min, of_bin.max);
+            total += self.counts[axis][plane - 1];
+            if total > 0 {
+                let cost = bounds.half_area() * total as f32 + right_costs[plane];
+                if cost < best.1 {
+                    best = (plane, cost);
+                }
+            }
+        }
+        best
+    }
+}
+
+/// Moves the references left of the split to the front.
+fn partition(references: &mut [Reference], split: &Split) -> (usize, [Extent; 2]) {
+    let is_left = |reference: &Reference| split.binning.bins(reference)[split.axis] < split.plane;
+    let mut extents = [Extent::EMPTY; 2];
+    let (mut left, mut right) = (0, references.len());
+    loop {
+        while left < right && is_left(&references[left]) {
+            extents[0].add(&references[left]);
+            left += 1;
+        }
+        while left < right && !is_left(&references[right - 1]) {
+            extents[1].add(&references[right - 1]);
+            right -= 1;
+        }
+        if left >= right {
+            return (left, extents);
+        }
+        references.swap(left, right - 1);
+    }
+}

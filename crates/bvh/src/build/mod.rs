@@ -1,0 +1,56 @@
+//! From geometries to a hierarchy: references, a binary tree, wide nodes.
+
+mod binned;
+mod collapse;
+mod reference;
+
+use crate::bvh::Bvh;
+use crate::error::BuildError;
+use crate::geometry::GeometryView;
+use crate::instance::Instance;
+use crate::node::Child;
+use crate::options::BuildOptions;
+use etendue_math::Bounds3;
+
+/// The binary tree is split by cost down to this depth, and in halves below it.
+const MAX_COST_DEPTH: usize = 40;
+
+/// No tree is deeper: below [`MAX_COST_DEPTH`] every level halves the at most 2³¹ references.
+pub(crate) const MAX_DEPTH: usize = MAX_COST_DEPTH + 32;
+
+/// See [`Bvh::build`].
+pub(crate) fn build(
+    geometries: &[GeometryView<'_>],
+    options: &BuildOptions,
+) -> Result<Bvh, BuildError> {
+    let instances = place_instances(geometries)?;
+    let mut references = reference::collect(geometries, &instances)?;
+    if references.len() >= Child::MAX_BLOCKS {
+        return Err(BuildError::TooManyPrimitives);
+    }
+    let tree = binned::build(&mut references, options);
+    let wide = collapse::collapse(&tree, &references);
+    let triangle_count = wide.triangle_count;
+    if wide.custom.len() > Child::MAX_CUSTOM_ENTRIES {
+        return Err(BuildError::TooManyPrimitives);
+    }
+    let blocks = wide.fill_blocks(&references, geometries);
+    let bounds = tree.first().map_or(Bounds3::EMPTY, |root| root.bounds());
+    Ok(Bvh::from_parts(wide.nodes, blocks, (wide.custom, instances), bounds, triangle_count))
+}
+
+/// The instances in the order of the geometries.
+fn place_instances(geometries: &[GeometryView<'_>]) -> Result<Vec<Instance>, BuildError> {
+    let mut instances = Vec::new();
+    for (number, view) in geometries.iter().enumerate() {
+        let GeometryView::Instance { group, to_world } = view else { continue };
+        let geometry = u32::try_from(number).map_err(|_| BuildError::TooManyPrimitives)?;
+        if !group.instances.is_empty() {
+            return Err(BuildError::NestedInstance { geometry });
+        }
+        let instance = Instance::new(group.clone(), geometry, *to_world)
+            .ok_or(BuildError::SingularTransform { geometry })?;
+        instances.push(instance);
+    }
+    Ok(instances)
+}

@@ -1,0 +1,173 @@
+//! The nodes and leaves as they lie in memory.
+
+use etendue_math::Bounds3;
+use glam::Vec3;
+
+/// How many children a node has at most, and how many triangles a block.
+pub(crate) const WIDTH: usize = 8;
+
+/// One number for each child of a node or each triangle of a block.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(crate) struct Lanes(pub(crate) [f32; WIDTH]);
+
+/// Up to eight children: their boxes as a structure of arrays, and what they are.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Node {
+    /// The planes min x, max x, min y, max y, min z, max z; an empty slot has min = ∞, max = -∞.
+    pub(crate) planes: [Lanes; 6],
+    /// What the slots hold.
+    pub(crate) children: [Child; WIDTH],
+}
+
+const _: () = assert!(size_of::<Node>() == 256);
+
+/// What a slot of a node holds, in one word: another node, a block of triangles, or up to
+/// [`Child::MAX_CUSTOM`] user primitives and instances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct Child(pub(crate) u32);
+
+/// [`Child`], spelled out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ChildKind {
+    /// The node with this number.
+    Node(usize),
+    /// The block with this number.
+    Block(usize),
+    /// These entries of the custom list.
+    Custom { first: usize, count: usize },
+}
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const CUSTOM: u32 = 1 << 30;
+    const COUNT_SHIFT: u32 = 27;
+
+    /// No more nodes than this.
+    pub(crate) const MAX_NODES: usize = 1 << 31;
+    /// No more blocks than this.
+    pub(crate) const MAX_BLOCKS: usize = 1 << 30;
+    /// No more custom entries than this.
+    pub(crate) const MAX_CUSTOM_ENTRIES: usize = 1 << Self::COUNT_SHIFT;
+    /// No more custom entries in one leaf than this.
+    pub(crate) const MAX_CUSTOM: usize = 4;
+
+    /// An empty slot: a custom leaf without entries, harmless if visited.
+    pub(crate) const EMPTY: Self = Self(Self::LEAF | Self::CUSTOM);
+
+    pub(crate) fn node(index: usize) -> Self {
+        debug_assert!(index < Self::MAX_NODES);
+        Self(index as u32)
+    }
+
+    pub(crate) fn block(index: usize) -> Self {
+        debug_assert!(index < Self::MAX_BLOCKS);
+        Self(Self::LEAF | index as u32)
+    }
+
+    pub(crate) fn custom(first: usize, count: usize) -> Self {
+        debug_assert!(first < Self::MAX_CUSTOM_ENTRIES && count <= Self::MAX_CUSTOM);
+        Self(Self::LEAF | Self::CUSTOM | (count as u32) << Self::COUNT_SHIFT | first as u32)
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_node(self) -> bool {
+        (self.0 as i32) >= 0
+    }
+
+    #[inline(always)]
+    pub(crate) fn kind(self) -> ChildKind {
+        if self.is_node() {
+            ChildKind::Node(self.0 as usize)
+        } else if self.0 & Self::CUSTOM == 0 {
+            ChildKind::Block((self.0 & !Self::LEAF) as usize)
+        } else {
+            ChildKind::Custom {
+                first: (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize,
+                count: (self.0 >> Self::COUNT_SHIFT & 7) as usize,
+            }
+        }
+    }
+}
+
+impl Node {
+    /// A node without children.
+    pub(crate) const EMPTY: Self = {
+        let (least, greatest) = (Lanes([f32::INFINITY; WIDTH]), Lanes([f32::NEG_INFINITY; WIDTH]));
+        Self {
+            planes: [least, greatest, least, greatest, least, greatest],
+            children: [Child::EMPTY; WIDTH],
+        }
+    };
+
+    pub(crate) fn set(&mut self, slot: usize, bounds: Bounds3, child: Child) {
+        for axis in 0..3 {
+            self.planes[2 * axis].0[slot] = bounds.min[axis];
+            self.planes[2 * axis + 1].0[slot] = bounds.max[axis];
+        }
+        self.children[slot] = child;
+    }
+
+    pub(crate) fn bounds(&self, slot: usize) -> Bounds3 {
+        let plane = |which: usize| {
+            Vec3::new(
+                self.planes[which].0[slot],
+                self.planes[2 + which].0[slot],
+                self.planes[4 + which].0[slot],
+            )
+        };
+        Bounds3::new(plane(0), plane(1))
+    }
+}
+
+/// A leaf of one to eight triangles; unused lanes repeat the first triangle.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+pub(crate) struct TriangleBlock {
+    /// The coordinates: vertex, axis, lane.
+    pub(crate) vertices: [[Lanes; 3]; 3],
+    /// The geometry of each lane.
+    pub(crate) geometry: [u32; WIDTH],
+    /// The triangle of each lane.
+    pub(crate) primitive: [u32; WIDTH],
+}
+
+const _: () = assert!(size_of::<TriangleBlock>() == 352);
+
+impl TriangleBlock {
+    /// A block of zeros.
+    pub(crate) const EMPTY: Self = Self {
+        vertices: [[Lanes([0.0; WIDTH]); 3]; 3],
+        geometry: [u32::MAX; WIDTH],
+        primitive: [u32::MAX; WIDTH],
+    };
+
+    pub(crate) fn vertex(&self, vertex: usize, lane: usize) -> Vec3 {
+        let [x, y, z] = &self.vertices[vertex];
+        Vec3::new(x.0[lane], y.0[lane], z.0[lane])
+    }
+}
+
+/// A user primitive or, with `primitive` = `u32::MAX` and `instance` in its place, an instance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Custom {
+    /// A primitive that the caller intersects.
+    User { geometry: u32, primitive: u32 },
+    /// The entry of the list of instances.
+    Instance { index: u32 },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_child_says_what_it_was_made_of() {
+        assert_eq!(Child::node(77).kind(), ChildKind::Node(77));
+        assert_eq!(Child::block(77).kind(), ChildKind::Block(77));
+        assert_eq!(Child::custom(77, 4).kind(), ChildKind::Custom { first: 77, count: 4 });
+        assert_eq!(Child::EMPTY.kind(), ChildKind::Custom { first: 0, count: 0 });
+    }
+}

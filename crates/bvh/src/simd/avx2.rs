@@ -1,0 +1,99 @@
+//! Eight lanes in one AVX register.
+//!
+//! The functions here are always inlined into callers that are compiled for AVX2 (the entry points
+//! of `traverse`), and have no place elsewhere: [`Avx2`] is named only there.
+
+use super::Simd;
+use crate::node::Lanes;
+use std::arch::x86_64::*;
+
+/// The AVX2 tier.
+pub(crate) struct Avx2;
+
+/// Runs intrinsics that the tier's machine has.
+macro_rules! intrinsics {
+    ($body:expr) => {
+        // SAFETY: the entry points of `traverse` select this tier only after `Tier::is_available`
+        // has found AVX2 and FMA; references to `Lanes` are valid and aligned to 32 bytes.
+        unsafe { $body }
+    };
+}
+
+impl Simd for Avx2 {
+    type Vector = __m256;
+
+    #[inline(always)]
+    fn splat(value: f32) -> __m256 {
+        intrinsics!(_mm256_set1_ps(value))
+    }
+
+    #[inline(always)]
+    fn load(lanes: &Lanes) -> __m256 {
+        intrinsics!(_mm256_load_ps(lanes.0.as_ptr()))
+    }
+
+    #[inline(always)]
+    fn store(vector: __m256) -> Lanes {
+        let mut lanes = Lanes([0.0; 8]);
+        intrinsics!(_mm256_store_ps(lanes.0.as_mut_ptr(), vector));
+        lanes
+    }
+
+    #[inline(always)]
+    fn add(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_add_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn subtract(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_sub_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn multiply(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_mul_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn divide(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_div_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn multiply_add(a: __m256, b: __m256, c: __m256) -> __m256 {
+        intrinsics!(_mm256_fmadd_ps(a, b, c))
+    }
+
+    #[inline(always)]
+    fn least(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_min_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn greatest(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_max_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn absolute(a: __m256) -> __m256 {
+        intrinsics!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
+    }
+
+    #[inline(always)]
+    fn less(a: __m256, b: __m256) -> u32 {
+        intrinsics!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32)
+    }
+
+    #[inline(always)]
+    fn less_equal(a: __m256, b: __m256) -> u32 {
+        intrinsics!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32)
+    }
+
+    #[inline(always)]
+    fn both_less(a: __m256, b: __m256, c: __m256, d: __m256) -> u32 {
+        intrinsics!(_mm256_movemask_ps(_mm256_and_ps(
+            _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
+            _mm256_cmp_ps::<_CMP_LT_OQ>(c, d),
+        )) as u32)
+    }
+}

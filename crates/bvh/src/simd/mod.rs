@@ -1,0 +1,81 @@
+//! Eight numbers at a time, by the instructions that the machine has.
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod avx2;
+pub(crate) mod portable;
+
+use crate::node::Lanes;
+
+/// Which instructions the traversal uses. The hits do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Tier {
+    /// What every machine has.
+    Portable,
+    /// x86-64 with AVX2, FMA, BMI1 and BMI2.
+    Avx2,
+}
+
+impl Tier {
+    /// The fastest tier of this machine.
+    #[must_use]
+    pub fn detect() -> Self {
+        if Self::Avx2.is_available() { Self::Avx2 } else { Self::Portable }
+    }
+
+    /// Whether this machine has the instructions.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("lzcnt")
+                    && is_x86_feature_detected!("popcnt")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 => false,
+        }
+    }
+}
+
+/// The operations of one tier on eight lanes. Comparisons give a bit per lane, the first lane in
+/// the lowest bit. All round to nearest; all but [`Simd::multiply_add`] give the same bits in
+/// every tier.
+pub(crate) trait Simd {
+    /// Eight numbers.
+    type Vector: Copy;
+
+    /// The same number in all lanes.
+    fn splat(value: f32) -> Self::Vector;
+    /// Eight numbers from memory.
+    fn load(lanes: &Lanes) -> Self::Vector;
+    /// Eight numbers to memory.
+    fn store(vector: Self::Vector) -> Lanes;
+    /// `a + b`.
+    fn add(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a - b`.
+    fn subtract(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a · b`.
+    fn multiply(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a / b`.
+    fn divide(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a · b + c`, with one rounding or two.
+    fn multiply_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// The lesser of the two, and `b` if either is not a number.
+    fn least(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The greater of the two, and `b` if either is not a number.
+    fn greatest(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `|a|`.
+    fn absolute(a: Self::Vector) -> Self::Vector;
+    /// Where `a < b`.
+    fn less(a: Self::Vector, b: Self::Vector) -> u32;
+    /// Where `a ≤ b`.
+    fn less_equal(a: Self::Vector, b: Self::Vector) -> u32;
+    /// Where `a < b` and `c < d`.
+    fn both_less(a: Self::Vector, b: Self::Vector, c: Self::Vector, d: Self::Vector) -> u32;
+}

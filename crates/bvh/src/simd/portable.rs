@@ -1,0 +1,92 @@
+//! Eight lanes as an array: the tier of every machine, and the oracle of the others.
+
+use super::Simd;
+use crate::node::{Lanes, WIDTH};
+
+/// The portable tier.
+pub(crate) struct Portable;
+
+#[inline(always)]
+fn map(a: [f32; WIDTH], b: [f32; WIDTH], operation: impl Fn(f32, f32) -> f32) -> [f32; WIDTH] {
+    std::array::from_fn(|lane| operation(a[lane], b[lane]))
+}
+
+#[inline(always)]
+fn bits(condition: impl Fn(usize) -> bool) -> u32 {
+    (0..WIDTH).fold(0, |mask, lane| mask | u32::from(condition(lane)) << lane)
+}
+
+impl Simd for Portable {
+    type Vector = [f32; WIDTH];
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self::Vector {
+        [value; WIDTH]
+    }
+
+    #[inline(always)]
+    fn load(lanes: &Lanes) -> Self::Vector {
+        lanes.0
+    }
+
+    #[inline(always)]
+    fn store(vector: Self::Vector) -> Lanes {
+        Lanes(vector)
+    }
+
+    #[inline(always)]
+    fn add(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        map(a, b, |a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn subtract(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        map(a, b, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn multiply(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        map(a, b, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn divide(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        map(a, b, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn multiply_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+        // Not f32::mul_add, which is a library call where the machine has no such instruction.
+        std::array::from_fn(|lane| a[lane] * b[lane] + c[lane])
+    }
+
+    #[inline(always)]
+    fn least(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        map(a, b, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn greatest(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        map(a, b, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn absolute(a: Self::Vector) -> Self::Vector {
+        a.map(f32::abs)
+    }
+
+    #[inline(always)]
+    fn less(a: Self::Vector, b: Self::Vector) -> u32 {
+        bits(|lane| a[lane] < b[lane])
+    }
+
+    #[inline(always)]
+    fn less_equal(a: Self::Vector, b: Self::Vector) -> u32 {
+        bits(|lane| a[lane] <= b[lane])
+    }
+
+    #[inline(always)]
+    fn both_less(a: Self::Vector, b: Self::Vector, c: Self::Vector, d: Self::Vector) -> u32 {
+        bits(|lane| (a[lane] < b[lane]) & (c[lane] < d[lane]))
+    }
+}

@@ -1,0 +1,56 @@
+//! Closest-hit and any-hit traversal: one body for every tier.
+
+mod any;
+mod closest;
+pub(crate) mod ray;
+
+use crate::bvh::{Bvh, Hit};
+use crate::geometry::Primitives;
+use crate::simd::{Tier, portable::Portable};
+use etendue_math::Ray;
+
+/// How many children can wait at once. The builder bounds the depth of the hierarchy
+/// (`build::MAX_DEPTH`) so that they cannot be more, and `Bvh` has no other constructor.
+pub(crate) const STACK_SIZE: usize = crate::build::MAX_DEPTH * (crate::node::WIDTH - 1) + 8;
+
+/// The nearest hit. `instance` is what hits carry as such.
+pub(crate) fn intersect<P: Primitives>(
+    bvh: &Bvh,
+    ray: &Ray,
+    primitives: &P,
+    instance: u32,
+) -> Option<Hit> {
+    match bvh.tier() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
+        Tier::Avx2 => unsafe { intersect_avx2(bvh, ray, primitives, instance) },
+        _ => closest::closest::<Portable, P>(bvh, ray, primitives, instance),
+    }
+}
+
+/// Whether there is any hit.
+pub(crate) fn occluded<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
+    match bvh.tier() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
+        Tier::Avx2 => unsafe { occluded_avx2(bvh, ray, primitives, instance) },
+        _ => any::any::<Portable, P>(bvh, ray, primitives, instance),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn intersect_avx2<P: Primitives>(
+    bvh: &Bvh,
+    ray: &Ray,
+    primitives: &P,
+    instance: u32,
+) -> Option<Hit> {
+    closest::closest::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn occluded_avx2<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
+    any::any::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
+}

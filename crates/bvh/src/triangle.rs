@@ -1,0 +1,120 @@
+//! The watertight triangle test, eight triangles at a time.
+//!
+//! After Woop, Benthin and Wald, *Watertight Ray/Triangle Intersection* (JCGT 2013): vertices are
+//! moved to the ray's origin and sheared so that the ray runs along an axis; the signs of three
+//! two-dimensional edge functions then tell whether it passes inside.
+//!
+//! * A vertex's sheared position depends on the vertex and the ray alone, so triangles that share
+//!   it see it at the same place, and the sheared mesh has no gaps.
+//! * An edge function is `fl(a·b) - fl(c·d)`, without fused operations. Rounding is monotonous, so
+//!   a result above zero means `a·b > c·d` exactly, one below zero the opposite, and seen from the
+//!   neighbour its sign is exactly reversed. Zero leaves the side open and counts as inside for
+//!   both neighbours.
+//! * If the sum of the three is zero or overflows, they are computed again from the same sheared
+//!   positions in `f64`, where the products are exact.
+//!
+//! So a triangle is hit at least wherever the exact test of the sheared mesh would hit it.
+
+use crate::node::{Lanes, TriangleBlock};
+use crate::simd::Simd;
+use crate::traverse::ray::RayConstants;
+
+/// Candidates among the eight triangles of a block, in units that leave the division by the
+/// determinant to the end.
+pub(crate) struct BlockHits {
+    /// A bit for each lane that is hit with `0 < t ≤ t_max`.
+    pub(crate) mask: u32,
+    /// The distance of each lane.
+    pub(crate) t: Lanes,
+    /// The edge function opposite to vertex 1.
+    pub(crate) v: Lanes,
+    /// The edge function opposite to vertex 2.
+    pub(crate) w: Lanes,
+    /// The sum of the three edge functions.
+    pub(crate) determinant: Lanes,
+}
+
+/// Two coordinates across the ray and the distance along it, for eight vertices.
+type Sheared<S> = [<S as Simd>::Vector; 3];
+
+/// Tests a block against the ray; `None` where no lane is hit at all.
+#[inline(always)]
+pub(crate) fn intersect_block<S: Simd>(
+    block: &TriangleBlock,
+    ray: &RayConstants,
+    t_max: f32,
+) -> Option<BlockHits> {
+    let a = shear::<S>(&block.vertices[0], ray);
+    let b = shear::<S>(&block.vertices[1], ray);
+    let c = shear::<S>(&block.vertices[2], ray);
+    let u = edge_function::<S>(&c, &b);
+    let v = edge_function::<S>(&a, &c);
+    let w = edge_function::<S>(&b, &a);
+    // Outside where there are edge functions of both signs. The operands are so placed that one
+    // which is not a number is passed over; the sum will find it.
+    let zero = S::splat(0.0);
+    let least = S::least(u, S::least(v, w));
+    let greatest = S::greatest(u, S::greatest(v, w));
+    let outside = S::both_less(least, zero, zero, greatest);
+    let inside = !outside & 0xff;
+    if inside == 0 {
+        return None;
+    }
+    let determinant = S::add(u, S::add(v, w));
+    let absolute = S::absolute(determinant);
+    let sound = S::both_less(zero, absolute, absolute, S::splat(f32::INFINITY));
+    let along = S::add(S::multiply(u, a[2]), S::add(S::multiply(v, b[2]), S::multiply(w, c[2])));
+    let t = S::divide(along, determinant);
+    let within = S::less(zero, t) & S::less_equal(t, S::splat(t_max));
+    let mut hits = BlockHits {
+        mask: inside & sound & within,
+        t: S::store(t),
+        v: S::store(v),
+        w: S::store(w),
+        determinant: S::store(determinant),
+    };
+    if inside & !sound != 0 {
+        let vertices = [a, b, c].map(|vertex| vertex.map(S::store));
+        resolve_exactly(&mut hits, inside & !sound, &vertices, t_max);
+    }
+    (hits.mask != 0).then_some(hits)
+}
+
+#[inline(always)]
+fn shear<S: Simd>(vertex: &[Lanes; 3], ray: &RayConstants) -> Sheared<S> {
+    let [x_axis, y_axis, z_axis] = ray.axes;
+    let relative = |axis: usize| S::subtract(S::load(&vertex[axis]), S::splat(ray.origin[axis]));
+    let z = relative(z_axis);
+    [
+        S::subtract(relative(x_axis), S::multiply(S::splat(ray.shear[0]), z)),
+        S::subtract(relative(y_axis), S::multiply(S::splat(ray.shear[1]), z)),
+        S::multiply(S::splat(ray.shear[2]), z),
+    ]
+}
+
+#[inline(always)]
+fn edge_function<S: Simd>(p: &Sheared<S>, q: &Sheared<S>) -> S::Vector {
+    S::subtract(S::multiply(p[0], q[1]), S::multiply(p[1], q[0]))
+}
+
+/// Decides the lanes of `doubtful` in `f64`. Rare: the ray meets a triangle edge-on, or the
+/// coordinates are so large or small that products leave the range of `f32`.
+#[cold]
+#[inline(never)]
+fn resolve_exactly(hits: &mut BlockHits, doubtful: u32, vertices: &[[Lanes; 3]; 3], t_max: f32) {
+    for lane in (0..8).filter(|lane| doubtful >> lane & 1 != 0) {
+        let [a, b, c] = [0, 1, 2].map(|k| vertices[k].each_ref().map(|x| f64::from(x.0[lane])));
+        let edge_function = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
+        let (u, v, w) = (edge_function(c, b), edge_function(a, c), edge_function(b, a));
+        let determinant = u + v + w;
+        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+        let t = ((u * a[2] + v * b[2] + w * c[2]) / determinant) as f32;
+        if inside && determinant != 0.0 && t > 0.0 && t <= t_max {
+            hits.mask |= 1 << lane;
+            hits.t.0[lane] = t;
+            hits.v.0[lane] = (v / determinant) as f32;
+            hits.w.0[lane] = (w / determinant) as f32;
+            hits.determinant.0[lane] = 1.0;
+        }
+    }
+}
