@@ -1,2 +1,29 @@
-//! Chi-squared, z-test, furnace and ray oracles for tests.
+//! Statistical tests (chi-squared, z, Welch), quadrature and a small generator, for tests.
+//!
+//! A development dependency of the other crates. Everything is deterministic: a check draws from a
+//! [`TestRng`] of fixed seed, so that it passes or fails the same way everywhere.
+//!
+//! ```
+//! use etendue_testkit::ChiSquare;
+//! use glam::Vec3;
+//!
+//! // The uniform distribution over directions, against its density 1 / (4π).
+//! ChiSquare::default()
+//!     .sphere(
+//!         |random| Some(random.unit_vector()),
+//!         |_direction: Vec3| 0.25 * std::f32::consts::FRAC_1_PI,
+//!     )
+//!     .assert();
+//! ```
 #![forbid(unsafe_code)]
+
+mod chi2;
+mod hypothesis;
+mod partition;
+pub mod quadrature;
+mod random;
+pub mod special;
+
+pub use chi2::{ChiSquare, ChiSquareOutcome, Rejection, chi2_discrete};
+pub use hypothesis::{Accumulator, TestOutcome, t_test, welch, z_test};
+pub use random::TestRng;
