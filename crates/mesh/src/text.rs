@@ -102,16 +102,16 @@ impl<'a> TextCursor<'a> {
         self.line += 1;
     }
 
-    /// Moves to the start of the statement after this one.
+    /// Moves to the end of the line on which this statement ends.
     pub(crate) fn skip_statement(&mut self) {
         loop {
             let is_comment = self.peek() == Some(b'#');
             let skipped = self.rest_of_line();
             let is_joined = !is_comment && skipped.last() == Some(&b'\\') && !self.is_at_end();
-            self.take_line_end();
             if !is_joined {
                 return;
             }
+            self.take_line_end();
         }
     }
 
@@ -197,9 +197,11 @@ mod tests {
     fn a_statement_is_skipped_with_its_joined_lines_but_a_comment_is_not_joined() {
         let mut cursor = TextCursor::new(b"l 1 2 \\\r\n 3 4\nv # x \\\ny");
         cursor.skip_statement();
+        cursor.take_line_end();
         assert_eq!((cursor.line(), cursor.peek()), (3, Some(b'v')));
         cursor.advance(2);
         cursor.skip_statement();
+        cursor.take_line_end();
         assert_eq!((cursor.line(), cursor.peek()), (4, Some(b'y')));
     }
 

@@ -91,17 +91,15 @@ impl Reader {
             if !cursor.is_at_statement_end() {
                 return Err(cursor.expected("the end of the line"));
             }
-            // Only a comment can be left, and line ends are most often bare.
             if cursor.peek() == Some(b'#') {
                 cursor.skip_statement();
-            } else {
-                cursor.take_line_end();
             }
+            cursor.take_line_end();
         }
         Ok(())
     }
 
-    /// Reads up to the end of one statement, or past it where the rest does not matter.
+    /// Reads up to the end of one statement, or a comment in it.
     #[inline]
     fn read_statement(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
         if cursor.is_at_statement_end() {
