@@ -13,10 +13,12 @@ mod error;
 mod normals;
 mod number;
 mod obj;
+mod ply;
 mod polygon;
 mod text;
 mod triangle_mesh;
 
 pub use error::{MeshError, MeshErrorKind};
 pub use obj::{ObjMesh, ObjOptions, ObjWarning, ObjWarningKind, read_obj, write_obj};
+pub use ply::{read_ply, write_ply};
 pub use triangle_mesh::{Attribute, AttributeDomain, TriangleMesh};

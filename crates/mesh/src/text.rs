@@ -30,6 +30,11 @@ impl<'a> TextCursor<'a> {
         self.position >= self.bytes.len()
     }
 
+    /// All bytes from the cursor on, not taken.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.bytes.get(self.position..).unwrap_or_default()
+    }
+
     /// The next byte, not taken.
     #[inline]
     pub(crate) fn peek(&self) -> Option<u8> {

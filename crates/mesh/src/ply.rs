@@ -1,0 +1,80 @@
+//! PLY, the Stanford polygon format (Turk, "The PLY Polygon File Format", 1994).
+
+mod attributes;
+mod faces;
+mod header;
+mod scalar;
+mod source;
+mod vertices;
+mod write;
+
+pub use write::write_ply;
+
+use crate::error::{MeshError, MeshErrorKind};
+use crate::text::TextCursor;
+use crate::triangle_mesh::{TriangleMesh, check_vertex_count};
+use faces::read_faces;
+use header::{Element, Encoding, Header};
+use source::{AsciiSource, BinarySource, Source};
+use vertices::read_vertices;
+
+/// Reads a PLY file in any of its three encodings.
+///
+/// - Properties may come in any order and have any type. `x y z` are needed; `nx ny nz` are the
+///   normals; `u v`, `s t` or `texture_u texture_v` the texture coordinates.
+/// - The list `vertex_indices` or `vertex_index` holds the corners of faces, of which polygons are
+///   split as a fan, or by clipping ears where they are concave (if the vertices come before the faces). Faces with fewer
+///   than three corners have no area and are left out.
+/// - Every other number of vertices and faces becomes an [`Attribute`](crate::Attribute), named by Mitsuba 3's rules:
+///   consecutive properties `foo_0 foo_1 …` or `foo_x foo_y …` are the channels of `vertex_foo` (of
+///   `face_foo` on faces), `r g b` and `red green blue` (with `a`, `alpha`) those of `vertex_color`. A
+///   property that belongs to no group is an attribute of one channel, with its own name. Colours in
+///   8 or 16 unsigned bits are scaled to [0, 1], where Mitsuba warns and takes them as they are.
+///   A face that is split passes its values on to all its triangles.
+/// - Other lists and other elements are skipped.
+///
+/// # Errors
+///
+/// [`MeshErrorKind::Syntax`] where the header or a number is malformed,
+/// [`Truncated`](MeshErrorKind::Truncated) where the header announces more than there is,
+/// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index that no vertex has,
+/// [`NonFinite`](MeshErrorKind::NonFinite) for a number that single precision does not hold,
+/// [`Unsupported`](MeshErrorKind::Unsupported) for a file without faces or positions, and
+/// [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
+pub fn read_ply(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
+    let mut cursor = TextCursor::new(bytes);
+    let header = Header::read(&mut cursor)?;
+    check_vertex_count(header.vertex_count())?;
+    if !header.elements.iter().any(Element::is_faces) {
+        return Err(MeshError::new(
+            MeshErrorKind::Unsupported,
+            "the file has no element `face`: point clouds and triangle strips are not read",
+        ));
+    }
+    let mut mesh = match header.encoding {
+        Encoding::Ascii => read_elements(&header, AsciiSource::new(cursor))?,
+        Encoding::Binary(order) => {
+            let body = cursor.rest();
+            read_elements(&header, BinarySource::new(body, bytes.len() - body.len(), order))?
+        }
+    };
+    mesh.indices.shrink_to_fit();
+    mesh.validate()?;
+    Ok(mesh)
+}
+
+fn read_elements(header: &Header, mut source: impl Source) -> Result<TriangleMesh, MeshError> {
+    let mut mesh = TriangleMesh::default();
+    let mut pending = (true, true);
+    for element in &header.elements {
+        source.check_room(element)?;
+        if element.is_vertices() && std::mem::take(&mut pending.0) {
+            read_vertices(element, &mut source, &mut mesh)?;
+        } else if element.is_faces() && std::mem::take(&mut pending.1) {
+            read_faces(element, &mut source, header.vertex_count(), &mut mesh)?;
+        } else if pending != (false, false) {
+            source.skip(element)?;
+        }
+    }
+    Ok(mesh)
+}
