@@ -36,7 +36,11 @@ pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bo
         .with_message(printable(&diagnostic.message))
         .with_labels(labels)
         .with_notes(diagnostic.help.iter().map(|line| printable(line)).collect());
-    emit(&shown, &excerpts, colored).unwrap_or_else(|_| format!("{}\n", diagnostic.message))
+    match emit(&shown, &excerpts, colored) {
+        Ok(text) => text.trim_end().to_owned() + "\n",
+        // Layouting fails on a broken excerpt only; the message must not be lost with it.
+        Err(_) => printable(&diagnostic.message) + "\n",
+    }
 }
 
 fn emit(

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-/// Names one text of a [`Sources`] collection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// Names one text of a [`Sources`] collection. The default is the first one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SourceId(u32);
 
 impl SourceId {

@@ -1,0 +1,159 @@
+//! `$name` in attribute values.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use etendue_document::near_names;
+
+/// The values that `$name` stands for, in the order in which the scene states its defaults.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Defines {
+    values: BTreeMap<String, Define>,
+    expanded_bytes: usize,
+    expansion_limit: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Define {
+    value: String,
+    /// Given by the caller, not by the scene.
+    given: bool,
+    used: bool,
+}
+
+/// Why a value cannot be expanded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum ExpansionError {
+    /// No such name; the offset in the value, its length, the near names.
+    Undefined { name: String, offset: usize, near: Vec<String> },
+    /// The expansions have grown beyond the limit.
+    TooLong,
+}
+
+impl Defines {
+    /// Starts with the values given by the caller.
+    pub(crate) fn new(given: &[(String, String)], expansion_limit: usize) -> Self {
+        let define = |value: &String| Define { value: value.clone(), given: true, used: false };
+        let values = given.iter().map(|(name, value)| (name.clone(), define(value))).collect();
+        Self { values, expanded_bytes: 0, expansion_limit }
+    }
+
+    /// States a default, which counts unless there is a value already.
+    pub(crate) fn add_default(&mut self, name: &str, value: &str) {
+        match self.values.get_mut(name) {
+            Some(define) => define.used = true,
+            None => {
+                let define = Define { value: value.to_owned(), given: false, used: true };
+                self.values.insert(name.to_owned(), define);
+            }
+        }
+    }
+
+    /// Replaces every `$name`. What comes in is not expanded again.
+    pub(crate) fn expand<'a>(&mut self, text: &'a str) -> Result<Cow<'a, str>, ExpansionError> {
+        if !text.contains('$') {
+            return Ok(Cow::Borrowed(text));
+        }
+        let mut expanded = String::new();
+        let mut position = 0;
+        while let Some(found) = text[position..].find('$') {
+            let dollar = position + found;
+            expanded.push_str(&text[position..dollar]);
+            let (length, value) = self.lookup(text, dollar)?;
+            expanded.push_str(value);
+            position = dollar + 1 + length;
+            if self.expanded_bytes + expanded.len() > self.expansion_limit {
+                return Err(ExpansionError::TooLong);
+            }
+        }
+        expanded.push_str(&text[position..]);
+        self.expanded_bytes += expanded.len();
+        Ok(Cow::Owned(expanded))
+    }
+
+    /// The names the caller gave that nothing in the scene mentions, and all names there are.
+    pub(crate) fn unused(&self) -> (Vec<&str>, Vec<&str>) {
+        let unused = self.values.iter().filter(|(_, define)| define.given && !define.used);
+        let known = self.values.iter().filter(|(_, define)| define.used);
+        let names = |(name, _)| String::as_str(name);
+        (unused.map(names).collect(), known.map(names).collect())
+    }
+
+    /// The value of the name after the dollar sign at `dollar`, and the length of the name.
+    ///
+    /// As in Mitsuba, the name is the longest known one that the text goes on with, so that
+    /// `$resx` is `$res` followed by an `x` where only `res` is known.
+    fn lookup(&mut self, text: &str, dollar: usize) -> Result<(usize, &str), ExpansionError> {
+        let rest = &text[dollar + 1..];
+        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+        let known = self.values.keys().filter(|name| !name.is_empty() && rest.starts_with(*name));
+        let Some(name) = known.max_by_key(|name| name.len()).cloned() else {
+            let names = self.values.keys().map(String::as_str);
+            let near = near_names(&rest[..end], names).into_iter().map(str::to_owned).collect();
+            let name = rest[..end].to_owned();
+            return Err(ExpansionError::Undefined { name, offset: dollar, near });
+        };
+        let length = name.len();
+        let define = self.values.get_mut(&name).ok_or(ExpansionError::TooLong)?;
+        define.used = true;
+        Ok((length, &define.value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn defines() -> Defines {
+        let given = [("spp", "16"), ("sppx", "17"), ("dead", "")];
+        let given = given.map(|(name, value)| (name.to_owned(), value.to_owned()));
+        Defines::new(&given, 100)
+    }
+
+    #[test]
+    fn names_are_replaced_anywhere_the_longest_first() {
+        let mut defines = defines();
+        defines.add_default("spp", "99");
+        defines.add_default("x", "7");
+        assert_eq!(defines.expand("$spp").unwrap(), "16", "the caller's value wins");
+        assert_eq!(defines.expand("a$spp/$x.b").unwrap(), "a16/7.b");
+        assert_eq!(defines.expand("$sppx$spp_").unwrap(), "1716_");
+        assert_eq!(defines.expand("plain").unwrap(), "plain");
+    }
+
+    #[test]
+    fn what_comes_in_is_not_expanded_again() {
+        let mut defines = defines();
+        defines.add_default("loop", "$loop$loop");
+        assert_eq!(defines.expand("$loop").unwrap(), "$loop$loop");
+    }
+
+    #[test]
+    fn unknown_names_suggest_near_ones() {
+        let error = defines().expand("ä $sp").unwrap_err();
+        let ExpansionError::Undefined { name, offset, near } = error else {
+            panic!("{error:?}");
+        };
+        assert_eq!((name.as_str(), offset), ("sp", 3));
+        assert_eq!(near[0], "spp");
+        let lone = defines().expand("5 $").unwrap_err();
+        assert!(matches!(lone, ExpansionError::Undefined { name, .. } if name.is_empty()));
+    }
+
+    #[test]
+    fn growth_is_bounded_over_all_expansions() {
+        let mut defines = defines();
+        defines.add_default("a", &"x".repeat(30));
+        assert!(defines.expand("$a").is_ok());
+        assert!(defines.expand("$a").is_ok());
+        assert_eq!(defines.expand("$a$a"), Err(ExpansionError::TooLong));
+    }
+
+    #[test]
+    fn given_names_that_nothing_mentions_are_listed() {
+        let mut defines = defines();
+        defines.add_default("sppx", "1");
+        defines.expand("$spp").unwrap();
+        assert_eq!(defines.unused(), (vec!["dead"], vec!["spp", "sppx"]));
+    }
+}

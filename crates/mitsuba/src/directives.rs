@@ -1,0 +1,81 @@
+//! The elements that do something to the document instead of being part of it.
+
+use std::path::Path;
+
+use etendue_document::{Child, Class, Fault, NodeId, Parameter, Value};
+
+use crate::element::Element;
+use crate::loader::{Loader, UNRESOLVED};
+use crate::resolve::Target;
+
+/// `<default name="spp" value="16"/>`: the value of `$spp` unless the caller gave one.
+pub(crate) fn default(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
+    let name = element.required("name", loader.diagnostics);
+    let value = element.required("value", loader.diagnostics);
+    let (Some(name), Some(value)) = (name, value) else {
+        return;
+    };
+    if name.value.is_empty() {
+        loader.diagnostics.error(Fault::BadValue, name.span, "a default needs a name");
+        return;
+    }
+    loader.defines.add_default(&name.value, &value.value);
+}
+
+/// `<alias id="old" as="new"/>`: another id for an object.
+pub(crate) fn alias(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
+    let id = element.required("id", loader.diagnostics);
+    let new = element.required("as", loader.diagnostics);
+    if let (Some(id), Some(new)) = (id, new) {
+        let target = Target::Alias(id.value.clone().into_owned());
+        loader.register(&new.value, target, new.span);
+    }
+}
+
+/// `<ref id="..."/>`: an object that stands elsewhere, before or after.
+pub(crate) fn reference(loader: &mut Loader<'_>, element: &Element<'_>, parent: NodeId) {
+    let Some(id) = element.required("id", loader.diagnostics) else {
+        return;
+    };
+    let name = element.value("name").filter(|name| !name.is_empty()).map(str::to_owned);
+    let node = loader.node_mut(parent);
+    node.children.push(Child { name, node: UNRESOLVED, span: element.span });
+    let index = node.children.len() - 1;
+    loader.add_reference(parent, index, &id.value, id.span);
+}
+
+/// `<path value="..."/>`: another folder in which files are looked for.
+pub(crate) fn path(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
+    let Some(value) = element.required("value", loader.diagnostics) else {
+        return;
+    };
+    let folder = value.value.replace('\\', "/");
+    let folder = loader.source_folder().join(Path::new(&folder));
+    loader.resolver.scene_paths.push(folder);
+}
+
+/// `<vec value="x, y, z"/>`: a control point of the curve around it.
+pub(crate) fn control_point(loader: &mut Loader<'_>, element: &Element<'_>, parent: NodeId) {
+    if loader.node_mut(parent).class != Class::Curve {
+        let message = "`<vec>` stands inside a `<curve>` only";
+        loader.diagnostics.error(Fault::Syntax, element.span, message);
+        return;
+    }
+    let Some(point) = element.vector(None, loader.diagnostics) else {
+        return;
+    };
+    let node = loader.node_mut(parent);
+    let last = node.parameters.iter_mut().find_map(|parameter| match &mut parameter.value {
+        Value::Points(points) => Some(points),
+        _ => None,
+    });
+    match last {
+        Some(points) => points.push(point),
+        None => node.parameters.push(Parameter {
+            name: "points".to_owned(),
+            original_name: "vec".to_owned(),
+            value: Value::Points(vec![point]),
+            span: element.span,
+        }),
+    }
+}

@@ -1,0 +1,97 @@
+//! Every element and what is done with it.
+
+use etendue_document::{Class, NodeId, Value};
+
+use crate::element::Element;
+use crate::loader::Loader;
+use crate::{directives, include, transform, values};
+
+/// What an element is.
+pub(crate) enum Kind {
+    /// An object with a plugin.
+    Object(Class),
+    /// A named value of the object around it.
+    Value {
+        /// Reads it; reports what is wrong and then returns `None`.
+        read: fn(&mut Loader<'_>, &Element<'_>) -> Option<Value>,
+        /// The attributes it takes.
+        attributes: &'static [&'static str],
+        /// Whether it holds elements that `read` looks at.
+        nested: bool,
+    },
+    /// Something to do.
+    Directive {
+        /// Does it, inside the given object.
+        run: fn(&mut Loader<'_>, &Element<'_>, NodeId),
+        /// The attributes it takes.
+        attributes: &'static [&'static str],
+    },
+}
+
+const fn value(
+    read: fn(&mut Loader<'_>, &Element<'_>) -> Option<Value>,
+    attributes: &'static [&'static str],
+) -> Kind {
+    Kind::Value { read, attributes, nested: false }
+}
+
+const fn directive(
+    run: fn(&mut Loader<'_>, &Element<'_>, NodeId),
+    attributes: &'static [&'static str],
+) -> Kind {
+    Kind::Directive { run, attributes }
+}
+
+/// The elements that stand inside a `<scene>` or an object.
+///
+/// `camera` and `luminaire` are the names of versions before 0.5.
+static ELEMENTS: &[(&str, Kind)] = &[
+    ("integrator", Kind::Object(Class::Integrator)),
+    ("sensor", Kind::Object(Class::Sensor)),
+    ("camera", Kind::Object(Class::Sensor)),
+    ("film", Kind::Object(Class::Film)),
+    ("sampler", Kind::Object(Class::Sampler)),
+    ("rfilter", Kind::Object(Class::ReconstructionFilter)),
+    ("shape", Kind::Object(Class::Shape)),
+    ("bsdf", Kind::Object(Class::Bsdf)),
+    ("texture", Kind::Object(Class::Texture)),
+    ("emitter", Kind::Object(Class::Emitter)),
+    ("luminaire", Kind::Object(Class::Emitter)),
+    ("medium", Kind::Object(Class::Medium)),
+    ("phase", Kind::Object(Class::Phase)),
+    ("volume", Kind::Object(Class::Volume)),
+    ("subsurface", Kind::Object(Class::Subsurface)),
+    ("curve", Kind::Object(Class::Curve)),
+    ("boolean", value(values::boolean, &["name", "value"])),
+    ("integer", value(values::integer, &["name", "value"])),
+    ("float", value(values::float, &["name", "value"])),
+    ("string", value(values::string, &["name", "value"])),
+    ("point", value(values::point, &["name", "value", "x", "y", "z"])),
+    ("vector", value(values::vector, &["name", "value", "x", "y", "z"])),
+    ("rgb", value(values::rgb, &["name", "value", "intent"])),
+    ("srgb", value(values::srgb, &["name", "value", "intent"])),
+    ("spectrum", value(values::spectrum, &["name", "value", "filename", "intent"])),
+    ("blackbody", value(values::blackbody, &["name", "temperature", "scale"])),
+    ("transform", Kind::Value { read: transform::read, attributes: &["name"], nested: true }),
+    ("default", directive(directives::default, &["name", "value"])),
+    ("alias", directive(directives::alias, &["id", "as"])),
+    ("ref", directive(directives::reference, &["id", "name"])),
+    ("path", directive(directives::path, &["value"])),
+    ("vec", directive(directives::control_point, &["value", "x", "y", "z"])),
+    ("include", directive(include::include, &["filename", "name"])),
+];
+
+/// What the element of that name is.
+pub(crate) fn kind(element: &Element<'_>) -> Option<&'static Kind> {
+    let name = element.name();
+    // Version 3 writes colour plugins as `<spectrum type="...">`: they are textures.
+    if name == "spectrum" && element.attribute("type").is_some() {
+        return Some(&Kind::Object(Class::Texture));
+    }
+    ELEMENTS.iter().find(|(known, _)| *known == name).map(|(_, kind)| kind)
+}
+
+/// The names of all elements, for suggestions.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    ELEMENTS.iter().map(|(name, _)| *name)
+}

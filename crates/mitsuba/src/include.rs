@@ -1,0 +1,149 @@
+//! Files: the scene's own and those it includes.
+
+use std::path::{Path, PathBuf};
+
+use etendue_document::{Diagnostic, Fault, NodeId, SourceId, Span};
+
+use crate::element::Element;
+use crate::loader::Loader;
+use crate::{scan, syntax, text};
+
+/// A file that is being read, and where it was included.
+pub(crate) struct OpenFile {
+    pub(crate) path: PathBuf,
+    pub(crate) included_at: Option<Span>,
+}
+
+/// `<include filename="..."/>`: what stands in another file's `<scene>`, or its root object.
+pub(crate) fn include(loader: &mut Loader<'_>, element: &Element<'_>, parent: NodeId) {
+    let Some(file) = element.required("filename", loader.diagnostics) else {
+        return;
+    };
+    let resolver = &loader.resolver;
+    let path = match resolver.resolve(&file.value, file.span.source, loader.resources) {
+        Ok(path) => path,
+        Err(missing) => {
+            let mut diagnostic = Diagnostic::error(Fault::Io, file.span, missing.to_string());
+            diagnostic.help = missing.help();
+            loader.diagnostics.push(diagnostic);
+            return;
+        }
+    };
+    if !may_include(loader, &path, file.span) {
+        return;
+    }
+    loader.include_count += 1;
+    loader.open_files.push(OpenFile { path: path.clone(), included_at: Some(file.span) });
+    read_included(loader, &path, file.span, parent);
+    loader.open_files.pop();
+}
+
+fn read_included(loader: &mut Loader<'_>, path: &Path, span: Span, parent: NodeId) {
+    let Some(source) = loader.read_source(path, Some(span)) else {
+        return;
+    };
+    let outer = std::mem::replace(&mut loader.source, source);
+    loader.with_xml(source, |loader, document| {
+        let root = document.root_element();
+        if root.has_tag_name("scene") {
+            loader.scene_attributes(root);
+            loader.visit_children(root, parent);
+        } else {
+            loader.visit(root, parent);
+        }
+    });
+    loader.source = outer;
+}
+
+/// Whether a file may be included here; reports loops, with the way they go, and limits.
+fn may_include(loader: &Loader<'_>, path: &Path, span: Span) -> bool {
+    let report = |fault, message: String| {
+        let mut diagnostic = Diagnostic::error(fault, span, message);
+        for file in &loader.open_files {
+            if let Some(place) = file.included_at {
+                let message = format!("{} is included here", file.path.display());
+                diagnostic = diagnostic.related(place, message);
+            }
+        }
+        loader.diagnostics.push(diagnostic);
+        false
+    };
+    let limits = &loader.options.limits;
+    if loader.open_files.iter().any(|file| file.path == path) {
+        let message = format!("{} includes itself", path.display());
+        return report(Fault::Syntax, message);
+    }
+    if loader.open_files.len() > limits.include_depth {
+        let message = format!("files include each other more than {} deep", limits.include_depth);
+        return report(Fault::Limit, message);
+    }
+    if loader.include_count >= limits.includes {
+        let message = format!("more than {} includes", limits.includes);
+        return report(Fault::Limit, message);
+    }
+    true
+}
+
+impl Loader<'_> {
+    /// Reads a file and keeps its text; reports what is wrong with it.
+    pub(crate) fn read_source(&mut self, path: &Path, span: Option<Span>) -> Option<SourceId> {
+        let name = self.display_name(path);
+        let bytes = match self.resources.read(path) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                self.diagnostics.error(Fault::Io, span, format!("cannot read {name}: {error}"));
+                return None;
+            }
+        };
+        self.total_bytes = self.total_bytes.saturating_add(bytes.len());
+        let limit = self.options.limits.total_bytes;
+        if self.total_bytes > limit {
+            let message = format!("{name}: the scene's files together exceed {limit} bytes");
+            self.diagnostics.error(Fault::Limit, span, message);
+            return None;
+        }
+        match text::decode(&bytes) {
+            Ok(text) => Some(self.add_source(name, text, path.parent())),
+            Err(not_text) => {
+                let source = self.add_source(name, not_text.shown, path.parent());
+                let place = Span::new(source, not_text.offset..not_text.offset + 1);
+                let diagnostic = Diagnostic::error(Fault::Syntax, place, not_text.message);
+                self.diagnostics.push(match span {
+                    Some(span) => diagnostic.related(span, "included here"),
+                    None => diagnostic,
+                });
+                None
+            }
+        }
+    }
+
+    /// Parses a text that has been kept and hands it on; reports what is wrong with it.
+    pub(crate) fn with_xml<T>(
+        &mut self,
+        source: SourceId,
+        then: impl FnOnce(&mut Self, &roxmltree::Document<'_>) -> T,
+    ) -> Option<T> {
+        let text = self.sources.get(source)?.text().clone();
+        let limits = &self.options.limits;
+        if let Err(refused) = scan::scan(&text, limits) {
+            let span = Span::new(source, refused.range);
+            self.diagnostics.error(refused.fault, span, refused.message);
+            return None;
+        }
+        match syntax::parse(&text, limits) {
+            Ok(document) => Some(then(self, &document)),
+            Err(error) => {
+                let span = Span::new(source, error.range);
+                self.diagnostics.error(error.fault, span, error.message);
+                None
+            }
+        }
+    }
+
+    /// The path as the user would write it.
+    fn display_name(&self, path: &Path) -> String {
+        let working_directory = &self.options.working_directory;
+        let short = path.strip_prefix(working_directory).ok();
+        short.filter(|short| !short.as_os_str().is_empty()).unwrap_or(path).display().to_string()
+    }
+}

@@ -1,0 +1,319 @@
+//! The walk over the elements, which makes nodes of them.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use etendue_document::{
+    Child, Class, Diagnostic, Diagnostics, Document, Fault, Node, NodeId, Parameter, Resolver,
+    Resources, SourceId, Sources, Span, Value, list_names, near_names,
+};
+
+use crate::defines::Defines;
+use crate::element::Element;
+use crate::elements::{self, Kind};
+use crate::include::OpenFile;
+use crate::resolve::{Named, Reference, Target};
+use crate::{LoadOptions, resolve, upgrade};
+
+/// Stands in a child until its reference is resolved.
+pub(crate) const UNRESOLVED: NodeId = NodeId(u32::MAX);
+
+/// Everything that is known while a scene is read.
+pub(crate) struct Loader<'a> {
+    pub(crate) resources: &'a dyn Resources,
+    pub(crate) options: &'a LoadOptions,
+    pub(crate) diagnostics: &'a Diagnostics,
+    pub(crate) sources: Sources,
+    pub(crate) resolver: Resolver,
+    pub(crate) defines: Defines,
+    /// The file that is being read.
+    pub(crate) source: SourceId,
+    /// It and those that led to it.
+    pub(crate) open_files: Vec<OpenFile>,
+    pub(crate) include_count: usize,
+    pub(crate) total_bytes: usize,
+    nodes: Vec<Node>,
+    ids: HashMap<String, Named>,
+    references: Vec<Reference>,
+    depth: usize,
+    /// A limit was reached: nothing more is read.
+    stopped: bool,
+}
+
+impl<'a> Loader<'a> {
+    pub(crate) fn new(
+        resources: &'a dyn Resources,
+        options: &'a LoadOptions,
+        diagnostics: &'a Diagnostics,
+    ) -> Self {
+        let resolver = Resolver {
+            search_paths: options.search_paths.clone(),
+            working_directory: options.working_directory.clone(),
+            ..Resolver::default()
+        };
+        Self {
+            resources,
+            options,
+            diagnostics,
+            sources: Sources::default(),
+            resolver,
+            defines: Defines::new(&options.defines, options.limits.expansion_bytes),
+            source: SourceId::default(),
+            open_files: Vec::new(),
+            include_count: 0,
+            total_bytes: 0,
+            nodes: Vec::new(),
+            ids: HashMap::new(),
+            references: Vec::new(),
+            depth: 0,
+            stopped: false,
+        }
+    }
+
+    /// Reads the main file and all that follows from it.
+    pub(crate) fn load_file(mut self, path: &Path) -> Option<Document> {
+        let path = self.options.working_directory.join(path);
+        self.open_files.push(OpenFile { path: path.clone(), included_at: None });
+        let source = self.read_source(&path, None)?;
+        self.load_source(source)
+    }
+
+    /// The same for a text that is there already.
+    pub(crate) fn load_text(mut self, name: &str, text: &str) -> Option<Document> {
+        let source = self.add_source(name.to_owned(), text.to_owned(), None);
+        self.load_source(source)
+    }
+
+    fn load_source(mut self, source: SourceId) -> Option<Document> {
+        self.source = source;
+        let root = self.with_xml(source, Self::scene)??;
+        self.report_unused_defines();
+        let Self { mut nodes, ids, mut references, diagnostics, options, .. } = self;
+        resolve::resolve(&mut nodes, &ids, &mut references, diagnostics, &options.limits);
+        upgrade::upgrade(&mut nodes, &self.sources, diagnostics);
+        Some(Document { nodes, root, sources: self.sources, resolver: self.resolver })
+    }
+
+    /// The root element of the main file.
+    fn scene(&mut self, document: &roxmltree::Document<'_>) -> Option<NodeId> {
+        let root = document.root_element();
+        let element = self.open(root);
+        if element.name() != "scene" {
+            let message = format!("the root element is `<{}>`, not `<scene>`", element.name());
+            self.diagnostics.error(Fault::Syntax, element.span, message);
+            return None;
+        }
+        self.scene_attributes(root);
+        self.nodes.push(Node {
+            class: Class::Scene,
+            plugin: "scene".to_owned(),
+            id: None,
+            span: element.span,
+            parameters: Vec::new(),
+            children: Vec::new(),
+        });
+        let scene = NodeId(0);
+        self.visit_children(root, scene);
+        Some(scene)
+    }
+
+    /// Checks the attributes of a `<scene>`: any version is read alike.
+    pub(crate) fn scene_attributes(&mut self, node: roxmltree::Node<'_, '_>) {
+        let element = self.open(node);
+        element.check_attributes(&["version", "type", "id", "name"], self.diagnostics);
+        let Some(version) = element.attribute("version") else {
+            return;
+        };
+        let major = version.value.trim().split('.').next().and_then(|m| m.parse::<u32>().ok());
+        let fault = match major {
+            Some(0..=3) => return,
+            Some(_) => (Fault::Unsupported, "this version is newer than the ones known, up to 3"),
+            None => (Fault::BadValue, "this is not a version such as 3.0.0"),
+        };
+        self.diagnostics.warning(fault.0, version.span, fault.1);
+    }
+
+    /// Reads what stands inside an element.
+    pub(crate) fn visit_children(&mut self, node: roxmltree::Node<'_, '_>, parent: NodeId) {
+        self.depth += 1;
+        for child in node.children() {
+            if self.stopped {
+                break;
+            }
+            if child.is_element() {
+                self.visit(child, parent);
+            } else if child.is_text() {
+                self.warn_of_text(child);
+            }
+        }
+        self.depth -= 1;
+    }
+
+    /// Reads one element inside an object.
+    pub(crate) fn visit(&mut self, node: roxmltree::Node<'_, '_>, parent: NodeId) {
+        let element = self.open(node);
+        if self.depth > self.options.limits.depth {
+            let message = format!("elements nest more than {} deep", self.options.limits.depth);
+            self.diagnostics.error(Fault::Limit, element.span, message);
+            return;
+        }
+        match elements::kind(&element) {
+            Some(Kind::Object(class)) => self.object(&element, *class, parent),
+            Some(Kind::Value { read, attributes, nested }) => {
+                element.check_attributes(attributes, self.diagnostics);
+                self.parameter(&element, *read, parent);
+                if !nested {
+                    self.forbid_children(&element);
+                }
+            }
+            Some(Kind::Directive { run, attributes }) => {
+                element.check_attributes(attributes, self.diagnostics);
+                self.forbid_children(&element);
+                if !element.broken {
+                    run(self, &element, parent);
+                }
+            }
+            None => self.report_unknown_element(&element),
+        }
+    }
+
+    /// Expands an element's attributes.
+    pub(crate) fn open<'b>(&mut self, node: roxmltree::Node<'b, 'b>) -> Element<'b> {
+        Element::open(node, self.source, &mut self.defines, self.diagnostics)
+    }
+
+    /// A node that has been made.
+    pub(crate) fn node_mut(&mut self, id: NodeId) -> &mut Node {
+        &mut self.nodes[id.index()]
+    }
+
+    /// Remembers that a child is to be found by its id.
+    pub(crate) fn add_reference(&mut self, parent: NodeId, child: usize, id: &str, span: Span) {
+        self.references.push(Reference { parent, child, id: id.to_owned(), span });
+    }
+
+    /// Gives something an id; reports where it was given before.
+    pub(crate) fn register(&mut self, id: &str, target: Target, span: Span) {
+        if let Some(earlier) = self.ids.get(id) {
+            let message = format!("the id `{id}` is given twice");
+            self.diagnostics.push(
+                Diagnostic::error(Fault::BadValue, span, message)
+                    .related(earlier.span, "given here before"),
+            );
+            return;
+        }
+        self.ids.insert(id.to_owned(), Named { target, span });
+    }
+
+    /// Keeps a text, with the folder in which the files it names are.
+    pub(crate) fn add_source(
+        &mut self,
+        name: String,
+        text: String,
+        folder: Option<&Path>,
+    ) -> SourceId {
+        let folder = folder.unwrap_or(&self.options.working_directory);
+        self.resolver.source_folders.push(folder.to_path_buf());
+        self.sources.add(name, text)
+    }
+
+    /// The folder of the file that is being read.
+    pub(crate) fn source_folder(&self) -> &Path {
+        &self.resolver.source_folders[self.source.index()]
+    }
+
+    fn object(&mut self, element: &Element<'_>, class: Class, parent: NodeId) {
+        element.check_attributes(&["type", "id", "name", "version"], self.diagnostics);
+        if self.nodes.len() >= self.options.limits.nodes {
+            let message = format!("more than {} objects", self.options.limits.nodes);
+            self.diagnostics.error(Fault::Limit, element.span, message);
+            self.stopped = true;
+            return;
+        }
+        let plugin = element.required("type", self.diagnostics);
+        let node = NodeId(self.nodes.len() as u32);
+        let text = |name| element.value(name).filter(|text| !text.is_empty()).map(str::to_owned);
+        self.nodes.push(Node {
+            class,
+            plugin: plugin.map(|plugin| plugin.value.trim().to_owned()).unwrap_or_default(),
+            id: text("id"),
+            span: element.span,
+            parameters: Vec::new(),
+            children: Vec::new(),
+        });
+        if let Some(id) = element.attribute("id").filter(|id| !id.value.is_empty()) {
+            // What has no type cannot be built: references to it are dropped without a word.
+            let target = if plugin.is_some() { Target::Node(node) } else { Target::Broken };
+            self.register(&id.value, target, id.span);
+        }
+        if plugin.is_some() {
+            let child = Child { name: text("name"), node, span: element.span };
+            self.node_mut(parent).children.push(child);
+        }
+        self.visit_children(element.node, node);
+    }
+
+    fn parameter(
+        &mut self,
+        element: &Element<'_>,
+        read: fn(&mut Loader<'_>, &Element<'_>) -> Option<Value>,
+        parent: NodeId,
+    ) {
+        let name = element.required("name", self.diagnostics);
+        let name = name.map(|attribute| attribute.value.trim().to_owned());
+        let value = read(self, element);
+        let (Some(name), Some(value), false) = (name, value, element.broken) else {
+            return;
+        };
+        let parameter =
+            Parameter { name: name.clone(), original_name: name, value, span: element.span };
+        self.node_mut(parent).parameters.push(parameter);
+    }
+
+    fn forbid_children(&mut self, element: &Element<'_>) {
+        for child in element.node.children().filter(roxmltree::Node::is_element) {
+            let child = self.open(child);
+            let message = format!("`<{}>` cannot hold `<{}>`", element.name(), child.name());
+            self.diagnostics.error(Fault::Syntax, child.span, message);
+        }
+    }
+
+    fn warn_of_text(&self, node: roxmltree::Node<'_, '_>) {
+        let text = node.text().unwrap_or_default();
+        let start = node.range().start + (text.len() - text.trim_start().len());
+        let length = text.trim().len();
+        if length > 0 {
+            let span = Span::new(self.source, start..start + length);
+            let message = "text between elements has no meaning and is ignored";
+            self.diagnostics.warning(Fault::Syntax, span, message);
+        }
+    }
+
+    fn report_unknown_element(&self, element: &Element<'_>) {
+        let name = element.name();
+        let message = match name {
+            "scene" => "a `<scene>` cannot stand inside another one".to_owned(),
+            _ => format!("there is no element `<{name}>`"),
+        };
+        let mut diagnostic = Diagnostic::error(Fault::Syntax, element.span, message);
+        let near = near_names(name, elements::names());
+        if !near.is_empty() {
+            diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));
+        }
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// A misspelt name on the command line would otherwise go unnoticed.
+    fn report_unused_defines(&self) {
+        let (unused, known) = self.defines.unused();
+        for name in unused {
+            let message = format!("the scene does not use `${name}`");
+            let diagnostic = Diagnostic::warning(Fault::UnknownParameter, None, message);
+            self.diagnostics.push(if known.is_empty() {
+                diagnostic.help("it uses no `$names`")
+            } else {
+                diagnostic.help(format!("it uses {}", list_names(known.iter().copied())))
+            });
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! What a caller may say about loading.
+
+use std::path::PathBuf;
+
+/// How a scene is loaded.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Values for `$name`, which replace the scene's own defaults.
+    pub defines: Vec<(String, String)>,
+    /// Folders in which files are looked for, beside the scene's own.
+    pub search_paths: Vec<PathBuf>,
+    /// Where relative paths start.
+    pub working_directory: PathBuf,
+    /// How much a scene may ask for.
+    pub limits: Limits,
+}
+
+/// Bounds on what a scene may ask for, far above what real scenes need.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// Bytes of all files together, each counted as often as it is included.
+    pub total_bytes: usize,
+    /// How deep elements may nest, includes counted in.
+    pub depth: usize,
+    /// Attributes of one element.
+    pub attributes: usize,
+    /// XML nodes (elements, texts, comments) of one file.
+    pub xml_nodes: u32,
+    /// Objects of the whole scene.
+    pub nodes: usize,
+    /// How deep files may include each other.
+    pub include_depth: usize,
+    /// How many includes there may be in all.
+    pub includes: usize,
+    /// Bytes that all `$name` expansions together may produce.
+    pub expansion_bytes: usize,
+    /// How many objects one object may come to when every reference in it is followed.
+    pub expanded_nodes: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            total_bytes: 256 << 20,
+            depth: 64,
+            attributes: 64,
+            xml_nodes: 8_000_000,
+            nodes: 2_000_000,
+            include_depth: 16,
+            includes: 10_000,
+            expansion_bytes: 16 << 20,
+            expanded_nodes: 1_000_000,
+        }
+    }
+}

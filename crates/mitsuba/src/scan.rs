@@ -1,0 +1,170 @@
+//! A look over the text before it is parsed, for what would make parsing slow or unsafe.
+//!
+//! The parser compares every attribute of an element with every other one, copies the namespaces
+//! of the outer elements to the inner ones, and reports a DOCTYPE without its place. This pass
+//! finds all three in linear time. It knows just enough XML to skip comments and quotes; errors
+//! of syntax are left to the parser.
+
+use std::ops::Range;
+
+use etendue_document::Fault;
+
+use crate::Limits;
+
+/// Declarations of namespaces in one file; scenes need none.
+const NAMESPACE_LIMIT: usize = 16;
+
+/// Something that the parser must not see.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Refused {
+    pub(crate) fault: Fault,
+    pub(crate) message: String,
+    /// In bytes.
+    pub(crate) range: Range<usize>,
+}
+
+/// Looks for nesting, attributes and declarations beyond the limits.
+pub(crate) fn scan(text: &str, limits: &Limits) -> Result<(), Refused> {
+    let mut scanner = Scanner { text, limits, position: 0, depth: 0 };
+    while scanner.next_tag() {
+        scanner.tag()?;
+    }
+    match text.match_indices("xmlns").nth(NAMESPACE_LIMIT) {
+        Some((start, found)) => {
+            let message = format!("more than {NAMESPACE_LIMIT} namespace declarations");
+            Err(Refused { fault: Fault::Limit, message, range: start..start + found.len() })
+        }
+        None => Ok(()),
+    }
+}
+
+struct Scanner<'a> {
+    text: &'a str,
+    limits: &'a Limits,
+    position: usize,
+    depth: usize,
+}
+
+impl<'a> Scanner<'a> {
+    fn rest(&self) -> &'a str {
+        &self.text[self.position..]
+    }
+
+    /// Goes to the next `<`.
+    fn next_tag(&mut self) -> bool {
+        match self.rest().find('<') {
+            Some(offset) => {
+                self.position += offset;
+                true
+            }
+            None => false,
+        }
+    }
+
+    fn tag(&mut self) -> Result<(), Refused> {
+        let rest = self.rest();
+        if rest.starts_with("<!--") {
+            self.skip_past("-->");
+        } else if rest.starts_with("<![CDATA[") {
+            self.skip_past("]]>");
+        } else if rest.starts_with("<?") {
+            self.skip_past("?>");
+        } else if rest.starts_with("<!") {
+            let length = rest.find(['[', '>', '\n']).unwrap_or(rest.len());
+            let message = "a DOCTYPE is not accepted, nor are the entities it could declare";
+            return Err(self.refuse(Fault::Unsupported, message.to_owned(), length));
+        } else if rest.starts_with("</") {
+            self.depth = self.depth.saturating_sub(1);
+            self.skip_past(">");
+        } else {
+            self.opening_tag()?;
+        }
+        Ok(())
+    }
+
+    /// Counts the quoted values up to the end of the tag.
+    fn opening_tag(&mut self) -> Result<(), Refused> {
+        let bytes = self.rest().as_bytes();
+        let mut quote = None;
+        let mut values = 0;
+        let mut end = bytes.len();
+        for (offset, &byte) in bytes.iter().enumerate().skip(1) {
+            match (quote, byte) {
+                (Some(open), _) if open == byte => quote = None,
+                (Some(_), _) => {}
+                (None, b'"' | b'\'') => {
+                    quote = Some(byte);
+                    values += 1;
+                }
+                (None, b'>') => {
+                    end = offset;
+                    break;
+                }
+                (None, _) => {}
+            }
+        }
+        let name_length = bytes.iter().take_while(|b| !b" \t\r\n/>".contains(b)).count();
+        if values > self.limits.attributes {
+            let limit = self.limits.attributes;
+            let message = format!("an element with {values} attributes; at most {limit} are read");
+            return Err(self.refuse(Fault::Limit, message, name_length));
+        }
+        if bytes[..end].last() != Some(&b'/') {
+            self.depth += 1;
+            if self.depth > self.limits.depth {
+                let limit = self.limits.depth;
+                let message = format!("elements nest more than {limit} deep");
+                return Err(self.refuse(Fault::Limit, message, name_length));
+            }
+        }
+        self.position += end;
+        Ok(())
+    }
+
+    fn skip_past(&mut self, end: &str) {
+        let rest = self.rest();
+        self.position += rest.find(end).map_or(rest.len(), |offset| offset + end.len());
+    }
+
+    fn refuse(&self, fault: Fault, message: String, length: usize) -> Refused {
+        Refused { fault, message, range: self.position..self.position + length }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(text: &str) -> Refused {
+        scan(text, &Limits::default()).unwrap_err()
+    }
+
+    #[test]
+    fn ordinary_scenes_pass() {
+        let text = "<?xml version='1.0'?><!-- <a><a> --><scene a='>' b=\"<\"><x/><y></y></scene>";
+        let limits = Limits { depth: 2, ..Limits::default() };
+        assert_eq!(scan(text, &limits), Ok(()));
+    }
+
+    #[test]
+    fn a_doctype_is_refused_at_its_place() {
+        let found = refused("<?xml version='1.0'?>\n<!DOCTYPE scene [<!ENTITY a 'b'>]>\n<scene/>");
+        assert_eq!((found.fault, found.range.start), (Fault::Unsupported, 22));
+        assert_eq!(scan("<!-- <!DOCTYPE --><scene/>", &Limits::default()), Ok(()));
+    }
+
+    #[test]
+    fn depth_is_bounded_at_the_first_element_too_deep() {
+        let found = refused(&"<a>".repeat(200_000));
+        assert_eq!((found.fault, found.range.start), (Fault::Limit, 64 * 3));
+    }
+
+    #[test]
+    fn attributes_and_namespaces_are_bounded() {
+        let attributes: String = (0..100_000).map(|index| format!(" a{index}='1'")).collect();
+        let found = refused(&format!("<scene>\n<b{attributes}/></scene>"));
+        assert_eq!((found.fault, found.range), (Fault::Limit, 8..10));
+        let found = refused(&"<a xmlns:x='u'/>".repeat(50));
+        assert_eq!((found.fault, found.range.start), (Fault::Limit, 16 * 16 + 3));
+    }
+}

@@ -1,0 +1,63 @@
+//! Bytes to text, with clear words for what is not XML at all.
+
+/// Why bytes are no scene text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct NotText {
+    /// One sentence without a full stop.
+    pub(crate) message: String,
+    /// The offset of the first byte at fault, in the returned text.
+    pub(crate) offset: usize,
+    /// The text as far as it can be shown.
+    pub(crate) shown: String,
+}
+
+/// The text of a file, without a byte order mark.
+pub(crate) fn decode(bytes: &[u8]) -> Result<String, NotText> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let fail = |message: &str| {
+        Err(NotText { message: message.to_owned(), offset: 0, shown: String::new() })
+    };
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return fail("the file is empty");
+    }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return fail("the file is UTF-16; save it as UTF-8");
+    }
+    if bytes.contains(&0) {
+        return fail("this is a binary file, not XML");
+    }
+    std::str::from_utf8(bytes).map(str::to_owned).map_err(|error| invalid_utf8(bytes, &error))
+}
+
+/// Points at the first byte that is not UTF-8, in the text before it.
+fn invalid_utf8(bytes: &[u8], error: &std::str::Utf8Error) -> NotText {
+    let offset = error.valid_up_to();
+    let line_end = bytes[offset..].iter().position(|byte| *byte == b'\n');
+    let end = line_end.map_or(bytes.len(), |length| offset + length);
+    let message = format!("byte 0x{:02x} is not UTF-8; save the file as UTF-8", bytes[offset]);
+    NotText { message, offset, shown: String::from_utf8_lossy(&bytes[..end]).into_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_passes_with_and_without_a_mark() {
+        assert_eq!(decode(b"<scene/>").unwrap(), "<scene/>");
+        assert_eq!(decode(b"\xef\xbb\xbf<scene/>").unwrap(), "<scene/>");
+    }
+
+    #[test]
+    fn what_is_no_text_is_named() {
+        let message = |bytes: &[u8]| decode(bytes).unwrap_err().message;
+        assert_eq!(message(b""), "the file is empty");
+        assert_eq!(message(b" \n\t"), "the file is empty");
+        assert!(message(b"\xff\xfe<\0").contains("UTF-16"));
+        assert!(message(b"<sc\0").contains("binary"));
+        let invalid = decode(b"<scene>\n <!-- caf\xe9 -->\n</scene>").unwrap_err();
+        assert_eq!(invalid.offset, 17);
+        assert!(invalid.message.contains("0xe9"));
+        assert!(invalid.shown.starts_with("<scene>\n <!-- caf"));
+    }
+}

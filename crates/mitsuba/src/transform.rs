@@ -1,0 +1,174 @@
+//! `<transform>` and the operations inside it.
+
+use etendue_document::{Diagnostic, Diagnostics, Fault, Value, list_names};
+use glam::{DMat3, DMat4, DVec3};
+
+use crate::element::Element;
+use crate::loader::Loader;
+use crate::numbers;
+
+/// An operation: its element, its attributes, and how it is read.
+struct Operation {
+    name: &'static str,
+    attributes: &'static [&'static str],
+    read: fn(&Element<'_>, &Diagnostics) -> Option<DMat4>,
+}
+
+/// `lookAt` is the spelling of versions before 2.
+static OPERATIONS: &[Operation] = &[
+    Operation { name: "translate", attributes: &["value", "x", "y", "z"], read: translate },
+    Operation { name: "rotate", attributes: &["value", "x", "y", "z", "angle"], read: rotate },
+    Operation { name: "scale", attributes: &["value", "x", "y", "z"], read: scale },
+    Operation { name: "matrix", attributes: &["value"], read: matrix },
+    Operation { name: "lookat", attributes: &["origin", "target", "up"], read: look_at },
+    Operation { name: "lookAt", attributes: &["origin", "target", "up"], read: look_at },
+];
+
+/// How far the last row of an affine matrix may be from 0, 0, 0, 1 for the digits that exporters
+/// write.
+const AFFINE_TOLERANCE: f64 = 1e-4;
+
+/// Below this, the volume that three unit columns span is nothing but rounding.
+const SINGULAR_VOLUME: f64 = 1e-12;
+
+/// The operations of a `<transform>`, each applied after those above it.
+pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
+    let planar = matches!(element.value("name"), Some("to_uv" | "toUV"));
+    let mut transform = DMat4::IDENTITY;
+    let mut failed = element.broken;
+    for node in element.node.children().filter(roxmltree::Node::is_element) {
+        let operation = loader.open(node);
+        let matrix = apply(&operation, loader.diagnostics);
+        match matrix.filter(|matrix| check(*matrix, planar, &operation, loader.diagnostics)) {
+            Some(matrix) if planar => transform = planar_matrix(matrix, &operation) * transform,
+            Some(matrix) => transform = matrix * transform,
+            None => failed = true,
+        }
+    }
+    (!failed).then_some(Value::Transform(transform))
+}
+
+fn apply(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
+    let Some(operation) = OPERATIONS.iter().find(|known| known.name == element.name()) else {
+        let message = format!("`<{}>` is not an operation of a transform", element.name());
+        let names = list_names(OPERATIONS.iter().map(|known| known.name));
+        let diagnostic = Diagnostic::error(Fault::Syntax, element.span, message);
+        diagnostics.push(diagnostic.help(format!("these are: {names}")));
+        return None;
+    };
+    element.check_attributes(operation.attributes, diagnostics);
+    if element.broken {
+        return None;
+    }
+    (operation.read)(element, diagnostics)
+}
+
+fn translate(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
+    element.vector(Some(0.0), diagnostics).map(DMat4::from_translation)
+}
+
+fn scale(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
+    element.vector(Some(1.0), diagnostics).map(DMat4::from_scale)
+}
+
+/// A rotation by `angle` degrees about an axis.
+fn rotate(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
+    let axis = element.vector(Some(0.0), diagnostics)?;
+    let angle = element.required("angle", diagnostics)?;
+    let angle = element.read(angle, numbers::number, diagnostics)?;
+    if let Some(axis) = axis.try_normalize() {
+        return Some(DMat4::from_axis_angle(axis, angle.to_radians()));
+    }
+    let message = "a rotation needs an axis that is not zero";
+    if angle == 0.0 {
+        diagnostics.warning(Fault::BadValue, element.span, message);
+        return Some(DMat4::IDENTITY);
+    }
+    diagnostics.error(Fault::BadValue, element.span, message);
+    None
+}
+
+/// Sixteen numbers, row by row, or nine for the upper left corner.
+fn matrix(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
+    let attribute = element.required("value", diagnostics)?;
+    let numbers = element.read(attribute, numbers::numbers, diagnostics)?;
+    if let Ok(rows) = <&[f64; 16]>::try_from(numbers.as_slice()) {
+        return Some(DMat4::from_cols_array(rows).transpose());
+    }
+    if let Ok(rows) = <&[f64; 9]>::try_from(numbers.as_slice()) {
+        return Some(DMat4::from_mat3(DMat3::from_cols_array(rows).transpose()));
+    }
+    let message = format!("a matrix has 16 or 9 numbers, not {}", numbers.len());
+    diagnostics.error(Fault::BadValue, attribute.span, message);
+    None
+}
+
+/// Camera to world: the camera at `origin` looks along +z at `target`, y is as near to `up` as
+/// can be, and x points to the left of the picture. Without `up`, any.
+fn look_at(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
+    let vector = |name| {
+        let attribute = element.required(name, diagnostics)?;
+        element.vector_in(attribute, diagnostics)
+    };
+    let (origin, target) = (vector("origin")?, vector("target")?);
+    let up = match element.attribute("up") {
+        Some(attribute) => element.vector_in(attribute, diagnostics)?,
+        None => DVec3::ZERO,
+    };
+    let Some(direction) = (target - origin).try_normalize() else {
+        let message = "`origin` and `target` are the same point";
+        diagnostics.error(Fault::BadValue, element.span, message);
+        return None;
+    };
+    let up = if up == DVec3::ZERO { direction.any_orthonormal_vector() } else { up };
+    let side = up.normalize_or_zero().cross(direction);
+    let Some(left) = side.try_normalize().filter(|_| side.length() > 1e-9) else {
+        let message = "`up` is parallel to the direction of view";
+        diagnostics.error(Fault::BadValue, element.span, message);
+        return None;
+    };
+    let matrix = DMat3::from_cols(left, direction.cross(left), direction);
+    Some(DMat4::from_translation(origin) * DMat4::from_mat3(matrix))
+}
+
+/// Whether a matrix can be used; reports why not. Coordinates on a surface may be collapsed.
+fn check(matrix: DMat4, planar: bool, element: &Element<'_>, diagnostics: &Diagnostics) -> bool {
+    let fault = if !matrix.is_finite() {
+        "this transform has numbers beyond all bounds"
+    } else if !is_affine(matrix) && !planar {
+        "the last row of a matrix must be 0, 0, 0, 1"
+    } else if !planar && is_singular(matrix) {
+        "this transform is singular: it cannot be undone"
+    } else {
+        return true;
+    };
+    diagnostics.error(Fault::BadValue, element.span, fault);
+    false
+}
+
+fn is_affine(matrix: DMat4) -> bool {
+    let last = matrix.row(3);
+    last.truncate().abs().max_element() <= AFFINE_TOLERANCE
+        && (last.w - 1.0).abs() <= AFFINE_TOLERANCE
+}
+
+/// Whether a direction is lost. Independent of the scale, so that tiny objects are no fault.
+fn is_singular(matrix: DMat4) -> bool {
+    let linear = DMat3::from_mat4(matrix);
+    let unit = |column: DVec3| column.try_normalize().unwrap_or(DVec3::ZERO);
+    let unit = DMat3::from_cols(unit(linear.x_axis), unit(linear.y_axis), unit(linear.z_axis));
+    unit.determinant().abs() < SINGULAR_VOLUME || !matrix.inverse().is_finite()
+}
+
+/// Nine numbers for `to_uv` are a homogeneous transformation of the plane, whose last column is
+/// the offset; here offsets stand in the fourth column.
+fn planar_matrix(matrix: DMat4, element: &Element<'_>) -> DMat4 {
+    let count = element.value("value").map_or(0, |value| numbers::words(value).count());
+    if element.name() != "matrix" || count != 9 {
+        return matrix;
+    }
+    let mut moved = matrix;
+    moved.w_axis = matrix.z_axis.truncate().with_z(0.0).extend(1.0);
+    moved.z_axis = DVec3::Z.extend(0.0);
+    moved
+}

@@ -1,0 +1,151 @@
+//! BSDFs: the Phong and Ward models, and microfacet distributions that are gone.
+
+use etendue_document::{Child, Class, Node, NodeId, Parameter, SpectrumValue, Value};
+use glam::DVec3;
+
+use super::approximation::Approximations;
+use super::{find, number, take};
+
+/// Upgrades one BSDF; new nodes come at the end.
+pub(super) fn upgrade(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+    match nodes[index].plugin.as_str() {
+        "phong" | "ward" => glossy(nodes, index, approximations),
+        name if name.starts_with("rough") => distribution(&mut nodes[index], approximations),
+        _ => {}
+    }
+}
+
+/// `as` (anisotropic Phong, Ashikhmin and Shirley) and `phong` take Beckmann's place with the same
+/// `alpha`, from which version 0.6 derives their exponents.
+fn distribution(node: &mut Node, approximations: &mut Approximations) {
+    let mut parameters = node.parameters.iter_mut();
+    let Some(parameter) = parameters.rfind(|parameter| parameter.name == "distribution") else {
+        return;
+    };
+    let Value::String(name) = &mut parameter.value else {
+        return;
+    };
+    if matches!(name.as_str(), "phong" | "as") {
+        let message = format!("the microfacet distribution `{name}` is rendered as `beckmann`");
+        approximations.add(message, parameter.span);
+        "beckmann".clone_into(name);
+    }
+}
+
+/// The parts of a Phong or Ward model.
+struct Glossy {
+    diffuse: DVec3,
+    specular: DVec3,
+    alpha_u: f64,
+    alpha_v: f64,
+}
+
+/// Phong and Ward add a glossy lobe to a diffuse one. So does a blend of `roughconductor` without
+/// Fresnel term and `diffuse`, each divided by its weight. Where a texture stands for one of the
+/// colours, nothing can be divided: then `roughplastic` is nearest.
+fn glossy(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+    let node = &mut nodes[index];
+    let plugin = std::mem::take(&mut node.plugin);
+    let (alpha_u, alpha_v) = roughness(node, &plugin);
+    let colours =
+        colour(node, "diffuse_reflectance", 0.5).zip(colour(node, "specular_reflectance", 0.2));
+    let new = match colours {
+        Some((diffuse, specular)) => {
+            blend(nodes, index, &Glossy { diffuse, specular, alpha_u, alpha_v });
+            "a blend of `diffuse` and `roughconductor`"
+        }
+        None => {
+            let keep = ["diffuse_reflectance", "specular_reflectance"];
+            node.parameters.retain(|parameter| keep.contains(&parameter.name.as_str()));
+            let alpha = parameter(node, "alpha", Value::Float((alpha_u * alpha_v).sqrt()));
+            node.parameters.push(alpha);
+            "roughplastic".clone_into(&mut node.plugin);
+            "`roughplastic`"
+        }
+    };
+    approximations.add(format!("`{plugin}` is rendered as {new}"), nodes[index].span);
+}
+
+/// Beckmann's roughness along both tangents.
+///
+/// Ward's lobe falls off with exp(−tan²θ_h / α²), which is Beckmann's. Phong's falls off with
+/// cosⁿ of the angle to the mirror direction, which is twice θ_h, so with exp(−2 n θ_h²) near the
+/// middle: α² = 1 / (2 n + 1), which is Walter et al. 2007, section 5.2, for an exponent of 4 n.
+fn roughness(node: &mut Node, plugin: &str) -> (f64, f64) {
+    let mut read = |name: &str, default: f64| {
+        take(node, name).and_then(|parameter| number(&parameter.value)).unwrap_or(default)
+    };
+    if plugin == "ward" {
+        return (read("alpha_u", 0.1), read("alpha_v", 0.1));
+    }
+    let exponent = read("exponent", 30.0).max(0.0);
+    let alpha = (1.0 / (2.0 * exponent + 1.0)).sqrt();
+    (alpha, alpha)
+}
+
+/// A colour that is the same everywhere; `None` where it is a texture or measured.
+fn colour(node: &Node, name: &str, default: f64) -> Option<DVec3> {
+    if node.children.iter().any(|child| child.name.as_deref() == Some(name)) {
+        return None;
+    }
+    let Some(parameter) = find(node, name) else {
+        return Some(DVec3::splat(default));
+    };
+    match &parameter.value {
+        Value::Rgb(colour) => Some(*colour),
+        Value::Spectrum(SpectrumValue::Constant(number)) => Some(DVec3::splat(*number)),
+        value => number(value).map(DVec3::splat),
+    }
+}
+
+/// Makes the node a blend of two new ones.
+fn blend(nodes: &mut Vec<Node>, index: usize, glossy: &Glossy) {
+    let (diffuse, specular) = (glossy.diffuse.max_element(), glossy.specular.max_element());
+    let sum = diffuse + specular;
+    let weight = if sum > 0.0 { (specular / sum).clamp(0.0, 1.0) } else { 0.0 };
+    let part = |colour: DVec3, weight: f64| {
+        let colour = if weight > 0.0 { colour / weight } else { colour };
+        Value::Rgb(colour.clamp(DVec3::ZERO, DVec3::ONE))
+    };
+    let node = &nodes[index];
+    let base = with_parameters(
+        node,
+        "diffuse",
+        vec![parameter(node, "reflectance", part(glossy.diffuse, 1.0 - weight))],
+    );
+    let lobe = with_parameters(
+        node,
+        "roughconductor",
+        vec![
+            parameter(node, "material", Value::String("none".to_owned())),
+            parameter(node, "distribution", Value::String("beckmann".to_owned())),
+            parameter(node, "alpha_u", Value::Float(glossy.alpha_u)),
+            parameter(node, "alpha_v", Value::Float(glossy.alpha_v)),
+            parameter(node, "specular_reflectance", part(glossy.specular, weight)),
+        ],
+    );
+    let weight = parameter(node, "weight", Value::Float(weight));
+    let first = nodes.len() as u32;
+    nodes.extend([base, lobe]);
+    let node = &mut nodes[index];
+    let child = |offset| Child { name: None, node: NodeId(first + offset), span: node.span };
+    node.children = vec![child(0), child(1)];
+    node.parameters = vec![weight];
+    "blendbsdf".clone_into(&mut node.plugin);
+}
+
+fn with_parameters(origin: &Node, plugin: &str, parameters: Vec<Parameter>) -> Node {
+    Node {
+        class: Class::Bsdf,
+        plugin: plugin.to_owned(),
+        id: None,
+        span: origin.span,
+        parameters,
+        children: Vec::new(),
+    }
+}
+
+/// A parameter that stands for the whole node it was made from.
+fn parameter(origin: &Node, name: &str, value: Value) -> Parameter {
+    Parameter { name: name.to_owned(), original_name: name.to_owned(), value, span: origin.span }
+}

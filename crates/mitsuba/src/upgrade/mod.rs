@@ -1,0 +1,62 @@
+//! Older dialects become the names of version 3, on the document, before any plugin sees it.
+//!
+//! Real files mix dialects whatever version they claim, so every rule applies to every file.
+//! What only has another name changes silently. What is rendered as something near is reported
+//! as an approximation, each kind once, with every line.
+
+mod approximation;
+mod bsdf;
+mod integrator;
+mod names;
+mod sensor;
+mod tables;
+mod texture;
+
+use etendue_document::{Class, Diagnostics, Node, Parameter, Sources, Value};
+
+use approximation::Approximations;
+
+/// Upgrades every node. New nodes come after the old ones.
+pub(crate) fn upgrade(nodes: &mut Vec<Node>, sources: &Sources, diagnostics: &Diagnostics) {
+    let mut approximations = Approximations::default();
+    nodes.iter_mut().for_each(names::upgrade);
+    // From the end, so that what is nested has been upgraded before what holds it.
+    for index in (0..nodes.len()).rev() {
+        tables::approximate_plugin(&mut nodes[index], &mut approximations);
+        match nodes[index].class {
+            Class::Integrator => integrator::upgrade(nodes, index, &mut approximations),
+            Class::Sensor => sensor::upgrade(&mut nodes[index], diagnostics),
+            Class::Texture => texture::upgrade(&mut nodes[index], &mut approximations),
+            Class::Bsdf => bsdf::upgrade(nodes, index, &mut approximations),
+            _ => {}
+        }
+    }
+    approximations.report(sources, diagnostics);
+}
+
+/// Removes the parameters of that name and returns the last, which is the one that counts.
+fn take(node: &mut Node, name: &str) -> Option<Parameter> {
+    let mut taken = None;
+    node.parameters.retain(|parameter| {
+        let wanted = parameter.name == name;
+        if wanted {
+            taken = Some(parameter.clone());
+        }
+        !wanted
+    });
+    taken
+}
+
+/// The parameter of that name that counts: the last.
+fn find<'a>(node: &'a Node, name: &str) -> Option<&'a Parameter> {
+    node.parameters.iter().rfind(|parameter| parameter.name == name)
+}
+
+/// A value that is one number.
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Float(number) => Some(*number),
+        Value::Integer(number) => Some(*number as f64),
+        _ => None,
+    }
+}

@@ -1,0 +1,111 @@
+//! What has changed between versions, as data.
+
+use etendue_document::{Class, Node};
+
+use super::approximation::Approximations;
+
+/// A parameter that has another name now and means the same.
+struct Renamed {
+    class: Class,
+    /// The plugins it belongs to; none for all of the class.
+    plugins: &'static [&'static str],
+    old: &'static str,
+    new: &'static str,
+}
+
+const fn renamed(
+    class: Class,
+    plugins: &'static [&'static str],
+    old: &'static str,
+    new: &'static str,
+) -> Renamed {
+    Renamed { class, plugins, old, new }
+}
+
+static RENAMED: &[Renamed] = &[
+    renamed(Class::Bsdf, &["diffuse", "roughdiffuse"], "diffuse_reflectance", "reflectance"),
+    renamed(Class::Bsdf, &["plastic", "roughplastic"], "reflectance", "diffuse_reflectance"),
+    renamed(Class::Film, &[], "high_quality_edges", "sample_border"),
+    // Version 0.4 and before.
+    renamed(Class::Emitter, &["area", "constant"], "intensity", "radiance"),
+    renamed(Class::Emitter, &["directional"], "intensity", "irradiance"),
+    renamed(Class::Emitter, &["envmap"], "intensity_scale", "scale"),
+    renamed(Class::Integrator, &[], "luminaire_samples", "emitter_samples"),
+    renamed(Class::Integrator, &[], "hide_luminaires", "hide_emitters"),
+];
+
+/// The parameters of a plugin that have another name now: old and new.
+pub(super) fn renamed_parameters(class: Class, plugin: &str) -> Vec<(&'static str, &'static str)> {
+    let applies = |rule: &&Renamed| {
+        rule.class == class && (rule.plugins.is_empty() || rule.plugins.contains(&plugin))
+    };
+    RENAMED.iter().filter(applies).map(|rule| (rule.old, rule.new)).collect()
+}
+
+/// A plugin that is rendered as another one, and what that loses.
+struct Approximated {
+    class: Class,
+    old: &'static str,
+    new: &'static str,
+    loss: &'static str,
+}
+
+const fn approximated(
+    class: Class,
+    old: &'static str,
+    new: &'static str,
+    loss: &'static str,
+) -> Approximated {
+    Approximated { class, old, new, loss }
+}
+
+const SAME_LIGHT: &str = "which finds the same light by other paths";
+const NO_MEDIA: &str = "which leaves participating media out";
+const NO_BIAS: &str = "which finds the same light without its bias";
+
+static APPROXIMATED: &[Approximated] = &[
+    approximated(Class::Integrator, "bdpt", "path", SAME_LIGHT),
+    approximated(Class::Integrator, "mlt", "path", SAME_LIGHT),
+    approximated(Class::Integrator, "pssmlt", "path", SAME_LIGHT),
+    approximated(Class::Integrator, "erpt", "path", SAME_LIGHT),
+    approximated(Class::Integrator, "ptracer", "path", SAME_LIGHT),
+    approximated(Class::Integrator, "ppm", "path", NO_BIAS),
+    approximated(Class::Integrator, "sppm", "path", NO_BIAS),
+    approximated(Class::Integrator, "photonmapper", "path", NO_BIAS),
+    approximated(Class::Integrator, "vpl", "path", NO_BIAS),
+    approximated(Class::Integrator, "volpath", "path", NO_MEDIA),
+    approximated(Class::Integrator, "volpathmis", "path", NO_MEDIA),
+    approximated(Class::Integrator, "volpath_simple", "path", NO_MEDIA),
+    approximated(Class::Integrator, "prb", "path", "which computes no gradients"),
+    approximated(Class::Integrator, "prb_basic", "path", "which computes no gradients"),
+    approximated(Class::Integrator, "prb_projective", "path", "which computes no gradients"),
+    approximated(Class::Integrator, "prbvolpath", "path", NO_MEDIA),
+    approximated(Class::Integrator, "direct_projective", "direct", "which computes no gradients"),
+    approximated(Class::Sensor, "telecentric", "orthographic", "which has no depth of field"),
+    approximated(
+        Class::Sensor,
+        "perspective_rdist",
+        "perspective",
+        "which has no radial distortion",
+    ),
+    approximated(Class::Film, "tiledhdrfilm", "hdrfilm", "which writes the file at the end"),
+];
+
+/// Puts the nearest plugin in the place of one that this version lacks.
+pub(super) fn approximate_plugin(node: &mut Node, approximations: &mut Approximations) {
+    let rule = APPROXIMATED.iter().find(|rule| rule.class == node.class && rule.old == node.plugin);
+    if let Some(rule) = rule {
+        let message = format!("`{}` is rendered as `{}`, {}", rule.old, rule.new, rule.loss);
+        approximations.add(message, node.span);
+        node.plugin = rule.new.to_owned();
+        if node.class == Class::Integrator {
+            // The others steer what is not there any more.
+            node.parameters.retain(|p| KEPT_INTEGRATOR_PARAMETERS.contains(&&*p.name));
+            node.children.clear();
+        }
+    }
+}
+
+/// What the integrators of this version share with those they stand in for.
+const KEPT_INTEGRATOR_PARAMETERS: &[&str] =
+    &["max_depth", "rr_depth", "strict_normals", "hide_emitters"];

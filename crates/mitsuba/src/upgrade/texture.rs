@@ -1,0 +1,122 @@
+//! Textures: the scale and offset of coordinates, filters, wrapping, gamma.
+
+use etendue_document::{Node, Parameter, Value};
+use glam::{DMat4, DVec3};
+
+use super::approximation::Approximations;
+use super::{find, number, take};
+
+/// Upgrades the parameters of one texture.
+pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
+    coordinates(node);
+    if node.plugin == "bitmap" {
+        filter(node, approximations);
+        wrapping(node, approximations);
+        gamma(node, approximations);
+    }
+}
+
+/// `uscale`, `vscale`, `uoffset`, `voffset` become `to_uv`: scaled first, then moved, as version
+/// 0.6 does.
+fn coordinates(node: &mut Node) {
+    let mut place = None;
+    let mut read = |name: &str, default: f64| {
+        let value = find(node, name).and_then(|parameter| number(&parameter.value));
+        // A value of another type stays, to be reported as unknown.
+        let Some(value) = value else {
+            return default;
+        };
+        place = take(node, name).map(|parameter| parameter.span).or(place);
+        value
+    };
+    let scale = DVec3::new(read("uscale", 1.0), read("vscale", 1.0), 1.0);
+    let offset = DVec3::new(read("uoffset", 0.0), read("voffset", 0.0), 0.0);
+    let Some(span) = place else {
+        return;
+    };
+    let matrix = DMat4::from_translation(offset) * DMat4::from_scale(scale);
+    let outer = match take(node, "to_uv").map(|parameter| parameter.value) {
+        Some(Value::Transform(outer)) => outer,
+        _ => DMat4::IDENTITY,
+    };
+    node.parameters.push(Parameter {
+        name: "to_uv".to_owned(),
+        original_name: "to_uv".to_owned(),
+        value: Value::Transform(outer * matrix),
+        span,
+    });
+}
+
+/// Filters that look at several levels of detail are replaced by the one that looks at one.
+fn filter(node: &mut Node, approximations: &mut Approximations) {
+    replace_text(node, "filter_type", |filter| match filter {
+        "trilinear" | "ewa" | "isotropic" | "anisotropic" => {
+            let message =
+                format!("the texture filter `{filter}` is rendered as `bilinear`, without levels");
+            Some(("bilinear", Some(message)))
+        }
+        _ => None,
+    })
+    .into_iter()
+    .for_each(|(message, span)| approximations.add(message, span));
+}
+
+/// `wrap_mode_u` and `wrap_mode_v` become one `wrap_mode`; `zero` and `one` have no equal.
+fn wrapping(node: &mut Node, approximations: &mut Approximations) {
+    let u = take(node, "wrap_mode_u");
+    let v = take(node, "wrap_mode_v");
+    if let (Some(u), Some(v)) = (&u, &v) {
+        if u.value != v.value {
+            let message = "`wrapModeU` counts for both directions, `wrapModeV` is left out";
+            approximations.add(message, v.span);
+        }
+    }
+    if let Some(mode) = u.or(v) {
+        node.parameters.push(Parameter { name: "wrap_mode".to_owned(), ..mode });
+    }
+    replace_text(node, "wrap_mode", |mode| match mode {
+        "zero" | "one" | "black" | "white" => {
+            Some(("clamp", Some(format!("the wrap mode `{mode}` is rendered as `clamp`"))))
+        }
+        _ => None,
+    })
+    .into_iter()
+    .for_each(|(message, span)| approximations.add(message, span));
+}
+
+/// A gamma of 1 means raw numbers; negative ones ask for what the file says.
+fn gamma(node: &mut Node, approximations: &mut Approximations) {
+    let Some((gamma, span)) = find(node, "gamma").and_then(|p| Some((number(&p.value)?, p.span)))
+    else {
+        return;
+    };
+    take(node, "gamma");
+    if gamma == 1.0 {
+        if find(node, "raw").is_none() {
+            node.parameters.push(Parameter {
+                name: "raw".to_owned(),
+                original_name: "gamma".to_owned(),
+                value: Value::Boolean(true),
+                span,
+            });
+        }
+    } else if gamma > 0.0 {
+        let message = format!("a texture gamma of {gamma} is rendered as the sRGB curve");
+        approximations.add(message, span);
+    }
+}
+
+/// Replaces a text where `replacement` knows another; returns what is to be reported, and where.
+fn replace_text(
+    node: &mut Node,
+    name: &str,
+    replacement: impl Fn(&str) -> Option<(&'static str, Option<String>)>,
+) -> Option<(String, etendue_document::Span)> {
+    let parameter = node.parameters.iter_mut().rfind(|parameter| parameter.name == name)?;
+    let Value::String(text) = &mut parameter.value else {
+        return None;
+    };
+    let (new, message) = replacement(text)?;
+    new.clone_into(text);
+    message.map(|message| (message, parameter.span))
+}
