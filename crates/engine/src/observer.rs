@@ -1,0 +1,145 @@
+//! News while a render runs, and the way to stop it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use crate::FilmSums;
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Samples taken.
+    pub samples_done: u64,
+    /// Samples in the budget; `None` if only time is limited.
+    pub samples_total: Option<u64>,
+    /// Since the first ray.
+    pub elapsed: Duration,
+    /// The time budget, if there is one.
+    pub time_limit: Option<Duration>,
+}
+
+impl Progress {
+    /// Samples per second of the wall clock so far.
+    pub fn rate(&self) -> f64 {
+        self.samples_done as f64 / self.elapsed.as_secs_f64().max(1e-9)
+    }
+
+    /// How much is done, from 0 to 1: of the samples or of the time, whichever is further.
+    pub fn fraction(&self) -> f64 {
+        let by_samples = self
+            .samples_total
+            .map_or(0.0, |total| self.samples_done as f64 / (total as f64).max(1.0));
+        let by_time = self
+            .time_limit
+            .map_or(0.0, |limit| self.elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
+        by_samples.max(by_time).clamp(0.0, 1.0)
+    }
+
+    /// How long the rest will take at the rate so far; `None` before the first sample.
+    pub fn time_left(&self) -> Option<Duration> {
+        let by_samples = self
+            .samples_total
+            .filter(|_| self.samples_done > 0)
+            .map(|total| total.saturating_sub(self.samples_done) as f64 / self.rate());
+        let by_time = self.time_limit.map(|limit| limit.saturating_sub(self.elapsed).as_secs_f64());
+        let seconds = match (by_samples, by_time) {
+            (Some(samples), Some(time)) => samples.min(time),
+            (one, other) => one.or(other)?,
+        };
+        Duration::try_from_secs_f64(seconds).ok()
+    }
+}
+
+/// A pass over the picture that has just ended.
+#[derive(Debug)]
+pub struct FinishedPass<'a> {
+    /// How many samples every pixel has been given so far.
+    pub samples_per_pixel: u32,
+    /// The sums so far, for a preview.
+    pub film: &'a FilmSums,
+}
+
+/// Hears what happens. The methods are called from any thread, but never by two at once, and hold
+/// up the render while they run. The default is not to listen.
+pub trait Observer: Sync {
+    /// Called about ten times a second, and once at the end.
+    fn progress(&self, _progress: &Progress) {}
+
+    /// Called after every pass.
+    fn pass_finished(&self, _pass: &FinishedPass<'_>) {}
+}
+
+/// An observer that does not listen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}
+
+/// A flag that stops a render within milliseconds; what is done is kept. Clones share the flag.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// A token that has not been cancelled.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Asks the render to stop.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// The flag itself, for a signal handler to set.
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HALF: Progress = Progress {
+        samples_done: 50,
+        samples_total: Some(100),
+        elapsed: Duration::from_secs(5),
+        time_limit: None,
+    };
+
+    #[test]
+    fn the_rest_takes_as_long_as_the_part_before() {
+        assert_eq!(HALF.rate(), 10.0);
+        assert_eq!(HALF.fraction(), 0.5);
+        assert_eq!(HALF.time_left(), Some(Duration::from_secs(5)));
+    }
+
+    #[test]
+    fn a_time_limit_that_comes_first_decides() {
+        let limited = Progress { time_limit: Some(Duration::from_secs(6)), ..HALF };
+        assert_eq!(limited.time_left(), Some(Duration::from_secs(1)));
+        assert!(limited.fraction() > 0.8);
+        let only_time = Progress { samples_total: None, ..limited };
+        assert_eq!(only_time.time_left(), Some(Duration::from_secs(1)));
+    }
+
+    #[test]
+    fn nothing_is_known_before_the_first_sample() {
+        let begun = Progress { samples_done: 0, ..HALF };
+        assert_eq!(begun.time_left(), None);
+    }
+
+    #[test]
+    fn clones_of_a_token_share_the_flag() {
+        let cancel = Cancel::new();
+        let clone = cancel.clone();
+        clone.cancel();
+        assert!(cancel.is_cancelled());
+    }
+}

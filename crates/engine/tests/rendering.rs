@@ -1,0 +1,210 @@
+//! The engine on sources of light that are formulas: exactness, budgets, cancelling, defects.
+
+use std::num::NonZeroUsize;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use etendue_engine::{
+    Budget, Cancel, Channels, Defect, EngineError, FilmSums, FinishedPass, Job, Observer, Progress,
+    Region, Sample, SampleId, SampleSource, Silent, Statistics, Workers, render_samples,
+};
+use etendue_spectrum::Spectrum;
+
+/// A source that computes each sample by a function.
+struct Formula<F> {
+    layers: Vec<String>,
+    sample: F,
+}
+
+impl<F: Fn(SampleId) -> Sample + Sync> SampleSource for Formula<F> {
+    fn layers(&self) -> &[String] {
+        &self.layers
+    }
+
+    fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
+        layers.fill(id.y as f32);
+        (self.sample)(id)
+    }
+}
+
+fn formula<F: Fn(SampleId) -> Sample + Sync>(sample: F) -> Formula<F> {
+    Formula { layers: vec!["row.Y".to_owned()], sample }
+}
+
+/// Grey light of full coverage and weight.
+fn grey(value: f32) -> Sample {
+    Sample { color: Spectrum::splat(value), alpha: 1.0, weight: 1.0 }
+}
+
+/// Some number in [0, 1) that is hard to add up exactly.
+fn noise(id: SampleId) -> f32 {
+    let mixed = (id.x ^ id.y << 10 ^ id.index << 20).wrapping_mul(0x9e37_79b9);
+    (mixed ^ mixed >> 15) as f32 / 4.3e9
+}
+
+const REGION: Region = Region { x: 2, y: 3, width: 37, height: 21 };
+
+fn job(samples_per_pixel: u32) -> Job {
+    let budget = Budget { samples_per_pixel: Some(samples_per_pixel), time: None };
+    Job { region: REGION, budget, memory_limit: 1 << 30 }
+}
+
+fn workers(thread_count: usize) -> Workers {
+    Workers::new(NonZeroUsize::new(thread_count)).unwrap()
+}
+
+fn render(source: &impl SampleSource, job: &Job, threads: usize) -> (FilmSums, Statistics) {
+    render_samples(source, job, &workers(threads), &Silent, &Cancel::new()).unwrap()
+}
+
+const ALL: Channels = Channels { alpha: true, variance: true };
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let source = formula(|id| grey(noise(id) * 1e3_f32.powf(noise(id) * 7.0)));
+    let pictures: Vec<_> = [1, 2, 5].map(|n| render(&source, &job(50), n).0.develop(ALL)).into();
+    assert_eq!(pictures[0], pictures[1]);
+    assert_eq!(pictures[0], pictures[2]);
+}
+
+#[test]
+fn pixels_hold_the_mean_of_their_own_samples() {
+    let source = formula(|id| grey((id.x * 1000 + id.y * 10 + id.index) as f32));
+    let (film, statistics) = render(&source, &job(5), 2);
+    let picture = film.develop(ALL);
+    assert_eq!(picture.validate(), Ok(()));
+    assert_eq!(picture.data_origin, [2, 3]);
+    let names: Vec<_> = picture.channels.iter().map(|channel| channel.name.as_str()).collect();
+    assert_eq!(names[..5], ["R", "G", "B", "A", "row.Y"]);
+    for (index, &value) in picture.channels[0].data.iter().enumerate() {
+        let (x, y) = (index % 37 + 2, index / 37 + 3);
+        assert_eq!(value, (x * 1000 + y * 10 + 2) as f32, "the indices 0 to 4 have the mean 2");
+        assert_eq!(picture.channels[4].data[index], y as f32);
+    }
+    assert_eq!(statistics.samples, 5 * 37 * 21);
+    assert_eq!(statistics.samples_per_pixel, [5, 5]);
+    assert!(!statistics.cancelled);
+}
+
+#[test]
+fn the_variance_is_that_of_the_mean() {
+    let source = formula(|id| grey(id.index as f32));
+    let picture = render(&source, &job(10), 1).0.develop(ALL);
+    // The numbers 0 to 9 have the sample variance 55/6.
+    let expected = (55.0 / 6.0 / 10.0) as f32;
+    let variance = picture.channel("variance.G").unwrap();
+    assert!(variance.data.iter().all(|&value| (value - expected).abs() < 1e-6));
+}
+
+#[test]
+fn filter_weights_apply_to_every_channel_and_may_be_negative() {
+    let weights = [3.0, -1.0];
+    let source = formula(|id| Sample { weight: weights[id.index as usize % 2], ..grey(2.0) });
+    let picture = render(&source, &job(8), 2).0.develop(ALL);
+    assert_eq!(picture.channel("R").unwrap().data[0], 2.0);
+    assert_eq!(picture.channel("A").unwrap().data[0], 1.0);
+    assert_eq!(picture.channel("row.Y").unwrap().data[0], 3.0);
+}
+
+#[test]
+fn defective_samples_are_counted_named_and_left_out() {
+    let source = formula(|id| match id.index {
+        1 => grey(f32::NAN),
+        2 => grey(f32::INFINITY),
+        3 => grey(-1.0),
+        _ => grey(6.0),
+    });
+    let (film, statistics) = render(&source, &job(5), 2);
+    assert!(film.develop(ALL).channels[0].data.iter().all(|&value| value == 6.0));
+    let pixels = REGION.pixel_count();
+    assert_eq!((statistics.defects.non_finite, statistics.defects.negative), (2 * pixels, pixels));
+    let first = (SampleId { index: 1, y: 3, x: 2 }, Defect::NonFinite);
+    assert_eq!(statistics.defects.first[0], first);
+}
+
+#[test]
+fn a_defective_layer_is_a_defect_and_a_negative_layer_is_none() {
+    struct Layers;
+    impl SampleSource for Layers {
+        fn layers(&self) -> &[String] {
+            const { &[String::new()] }
+        }
+        fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
+            layers[0] = if id.index == 0 { f32::NAN } else { -4.0 };
+            grey(1.0)
+        }
+    }
+    let (_, statistics) = render(&Layers, &job(3), 1);
+    assert_eq!(statistics.defects.total(), REGION.pixel_count());
+}
+
+/// Cancels after the third pass, and remembers what it heard.
+#[derive(Default)]
+struct CancelAtThird {
+    cancel: Cancel,
+    passes: Mutex<Vec<u32>>,
+    last: Mutex<Option<Progress>>,
+}
+
+impl Observer for CancelAtThird {
+    fn progress(&self, progress: &Progress) {
+        *self.last.lock().unwrap() = Some(*progress);
+    }
+
+    fn pass_finished(&self, pass: &FinishedPass<'_>) {
+        let mut passes = self.passes.lock().unwrap();
+        passes.push(pass.samples_per_pixel);
+        assert_eq!(pass.film.samples_per_pixel(), [pass.samples_per_pixel; 2]);
+        if passes.len() == 3 {
+            self.cancel.cancel();
+        }
+    }
+}
+
+#[test]
+fn a_cancelled_render_keeps_what_is_done() {
+    let source = formula(|_| grey(1.0));
+    let observer = CancelAtThird::default();
+    let result = render_samples(&source, &job(4000), &workers(2), &observer, &observer.cancel);
+    let (film, statistics) = result.unwrap();
+    assert!(statistics.cancelled);
+    let done = observer.passes.lock().unwrap()[2];
+    assert_eq!(statistics.samples_per_pixel, [done; 2], "a pass that was not begun left no trace");
+    assert!(film.develop(ALL).channels[0].data.iter().all(|&value| value == 1.0));
+    assert_eq!(observer.last.lock().unwrap().unwrap().samples_done, statistics.samples);
+}
+
+#[test]
+fn a_time_limit_ends_the_render_but_not_before_every_pixel_has_a_sample() {
+    let source = formula(|_| {
+        std::thread::sleep(Duration::from_micros(50));
+        grey(1.0)
+    });
+    for milliseconds in [0, 150] {
+        let time = Some(Duration::from_millis(milliseconds));
+        let budget = Budget { samples_per_pixel: None, time };
+        let started = Instant::now();
+        let (_, statistics) = render(&source, &Job { budget, ..job(1) }, 2);
+        assert!(statistics.samples_per_pixel[0] >= 1);
+        assert!(!statistics.cancelled, "the budget was spent");
+        // A pass takes some 60 ms here; seconds are what a busy machine may add.
+        assert!(started.elapsed() < Duration::from_secs(10));
+    }
+}
+
+#[test]
+fn jobs_that_cannot_be_done_are_errors() {
+    let source = formula(|_| grey(1.0));
+    let try_job = |job: Job| {
+        render_samples(&source, &job, &workers(1), &Silent, &Cancel::new()).map(|_| ()).unwrap_err()
+    };
+    assert_eq!(try_job(job(0)), EngineError::NoBudget);
+    let endless = Budget { samples_per_pixel: None, time: None };
+    assert_eq!(try_job(Job { budget: endless, ..job(1) }), EngineError::NoBudget);
+    let empty = Region { width: 0, ..REGION };
+    assert_eq!(try_job(Job { region: empty, ..job(1) }), EngineError::BadRegion);
+    let huge = Region { x: 0, y: 0, width: 2_000_000_000, height: 2_000_000_000 };
+    let error = try_job(Job { region: huge, ..job(1) });
+    assert!(matches!(error, EngineError::FilmTooLarge { .. }));
+    assert!(error.to_string().contains("2000000000x2000000000"));
+}
