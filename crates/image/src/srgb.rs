@@ -39,23 +39,15 @@ pub fn linear_of_srgb_u8() -> &'static [f32; 256] {
 /// clamped and NaN becomes zero.
 ///
 /// The result is that of rounding the exact function, at a few nanoseconds instead of a power: a
-/// table over the float's exponent and upper mantissa bits gives the first code of the interval,
-/// and comparisons with the codes' true thresholds do the rest.
+/// table over the float's exponent and upper mantissa bits gives the first code of an interval so
+/// short that at most one threshold lies in it, and a comparison with that does the rest.
 pub fn linear_to_srgb_u8(linear: f32) -> u8 {
     let encoder = &*U8_ENCODER;
-    // The comparison is false for NaN, which thereby becomes zero.
-    if !(linear >= encoder.thresholds[0]) {
-        return 0;
-    }
-    if linear >= encoder.thresholds[254] {
-        return 255;
-    }
-    let interval = (linear.to_bits() >> INTERVAL_SHIFT) - FIRST_INTERVAL;
-    let mut code = encoder.first_codes[interval as usize];
-    while linear >= encoder.thresholds[usize::from(code)] {
-        code += 1;
-    }
-    code
+    // Unlike `clamp`, `max` replaces NaN.
+    let clamped = linear.max(LEAST).min(GREATEST);
+    let interval = (clamped.to_bits() >> INTERVAL_SHIFT) - FIRST_INTERVAL;
+    let code = encoder.first_codes[interval as usize];
+    code + u8::from(clamped >= encoder.thresholds[usize::from(code)])
 }
 
 static LINEAR_OF_U8: LazyLock<[f32; 256]> =
@@ -63,32 +55,44 @@ static LINEAR_OF_U8: LazyLock<[f32; 256]> =
 
 static U8_ENCODER: LazyLock<U8Encoder> = LazyLock::new(U8Encoder::new);
 
-/// An interval keeps the exponent and six bits of the mantissa.
-const INTERVAL_SHIFT: u32 = 23 - 6;
+/// An interval keeps the exponent and seven bits of the mantissa.
+const INTERVAL_SHIFT: u32 = 23 - 7;
 /// Intervals begin at 2⁻¹³, below the threshold of code 1 (about 1.5e-4).
-const FIRST_INTERVAL: u32 = (127 - 13) << 6;
-/// Thirteen octaves of 64 intervals, up to one.
-const INTERVAL_COUNT: usize = 13 * 64;
+const FIRST_INTERVAL: u32 = (127 - 13) << 7;
+/// Thirteen octaves of 128 intervals, up to one.
+const INTERVAL_COUNT: usize = 13 * 128;
+/// Where intervals begin: 2⁻¹³.
+const LEAST: f32 = 1.0 / 8192.0;
+/// The last float below one.
+const GREATEST: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The tables behind [`linear_to_srgb_u8`].
 struct U8Encoder {
-    /// `thresholds[code]` is the least linear value whose code is above `code`.
-    thresholds: [f32; 255],
+    /// `thresholds[code]` is the least linear value whose code is above `code`; infinite for the
+    /// last.
+    thresholds: [f32; 256],
     /// The code of the least value of each interval.
     first_codes: [u8; INTERVAL_COUNT],
 }
 
 impl U8Encoder {
     fn new() -> Self {
-        let thresholds: [f32; 255] =
-            std::array::from_fn(|code| decode_f64((code as f64 + 0.5) / 255.0) as f32);
+        let thresholds: [f32; 256] = std::array::from_fn(|code| match code {
+            255 => f32::INFINITY,
+            _ => decode_f64((code as f64 + 0.5) / 255.0) as f32,
+        });
         let first_codes = std::array::from_fn(|interval| {
-            let start = f32::from_bits((interval as u32 + FIRST_INTERVAL) << INTERVAL_SHIFT);
-            // At most 255, as there are 255 thresholds.
+            let start = interval_start(interval);
+            // At most 255, as the last threshold is infinite.
             thresholds.partition_point(|&threshold| threshold <= start) as u8
         });
         Self { thresholds, first_codes }
     }
+}
+
+/// The least float of an interval.
+fn interval_start(interval: usize) -> f32 {
+    f32::from_bits((interval as u32 + FIRST_INTERVAL) << INTERVAL_SHIFT)
 }
 
 /// [`srgb_to_linear`] in double precision, for tables.
@@ -127,6 +131,14 @@ mod tests {
                 assert_eq!(linear_to_srgb_u8(linear), exact.round() as u8, "{linear}");
             }
         }
+    }
+
+    #[test]
+    fn no_interval_holds_two_thresholds() {
+        let codes = &U8_ENCODER.first_codes;
+        assert!(codes.windows(2).all(|pair| pair[1] - pair[0] <= 1));
+        assert_eq!((codes[0], codes[INTERVAL_COUNT - 1]), (0, 255));
+        assert_eq!((interval_start(0), interval_start(INTERVAL_COUNT)), (LEAST, 1.0));
     }
 
     #[test]

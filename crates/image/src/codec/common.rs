@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use image::codecs::bmp::BmpEncoder;
-use image::codecs::hdr::HdrEncoder;
+use image::codecs::hdr::{HdrDecoder, HdrEncoder};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::codecs::tiff::TiffEncoder;
@@ -24,12 +24,50 @@ pub(super) fn decode(
     name: &'static str,
     limits: &Limits,
 ) -> Result<Bitmap, ImageError> {
+    let context = Context { name, file_size: bytes.len(), limits };
+    if format == image::ImageFormat::Hdr {
+        // Files that begin with "#?RGBE" are as common as "#?RADIANCE", which the strict decoder
+        // insists on.
+        let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
+        return context.read(decoder.map_err(|error| read_error(name, error))?);
+    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(decoder_limits(limits));
-    let decoder = reader.into_decoder().map_err(|error| read_error(name, error))?;
-    check_size(&decoder, bytes.len(), name, limits)?;
-    let image = DynamicImage::from_decoder(decoder).map_err(|error| read_error(name, error))?;
-    into_bitmap(image).ok_or_else(|| ImageError::unsupported(name, "this kind of samples"))
+    context.read(reader.into_decoder().map_err(|error| read_error(name, error))?)
+}
+
+/// What a decoder is held to.
+struct Context<'a> {
+    name: &'static str,
+    file_size: usize,
+    limits: &'a Limits,
+}
+
+impl Context<'_> {
+    /// Reads all samples once their number is known to be plausible.
+    fn read(&self, decoder: impl ImageDecoder) -> Result<Bitmap, ImageError> {
+        self.check_size(&decoder)?;
+        let image = DynamicImage::from_decoder(decoder);
+        let image = image.map_err(|error| read_error(self.name, error))?;
+        into_bitmap(image).ok_or_else(|| ImageError::unsupported(self.name, "this kind of samples"))
+    }
+
+    /// Holds the size in the header against the limits and the size of the file.
+    fn check_size(&self, decoder: &impl ImageDecoder) -> Result<(), ImageError> {
+        let (width, height) = decoder.dimensions();
+        let color = decoder.color_type();
+        let channels = u64::from(color.channel_count());
+        let sample_bytes = u64::from(color.bytes_per_pixel()) / channels.max(1);
+        self.limits.check(width.into(), height.into(), channels, sample_bytes)?;
+        if width == 0 || height == 0 {
+            return Err(ImageError::malformed(self.name, "the image has no pixels"));
+        }
+        if decoder.total_bytes() > (self.file_size as u64).saturating_mul(LARGEST_EXPANSION) {
+            let message = format!("{} bytes cannot hold {width}x{height} pixels", self.file_size);
+            return Err(ImageError::malformed(self.name, message));
+        }
+        Ok(())
+    }
 }
 
 /// Writes the main layer.
@@ -72,28 +110,6 @@ fn decoder_limits(limits: &Limits) -> image::Limits {
     let mut decoder_limits = image::Limits::default();
     decoder_limits.max_alloc = Some(limits.bytes);
     decoder_limits
-}
-
-/// Holds the size in the header against the limits and the size of the file.
-fn check_size(
-    decoder: &impl ImageDecoder,
-    file_size: usize,
-    name: &'static str,
-    limits: &Limits,
-) -> Result<(), ImageError> {
-    let (width, height) = decoder.dimensions();
-    let color = decoder.color_type();
-    let channels = u64::from(color.channel_count());
-    let sample_bytes = u64::from(color.bytes_per_pixel()) / channels.max(1);
-    limits.check(width.into(), height.into(), channels, sample_bytes)?;
-    if width == 0 || height == 0 {
-        return Err(ImageError::malformed(name, "the image has no pixels"));
-    }
-    if decoder.total_bytes() > (file_size as u64).saturating_mul(LARGEST_EXPANSION) {
-        let message = format!("{file_size} bytes cannot hold {width}x{height} pixels");
-        return Err(ImageError::malformed(name, message));
-    }
-    Ok(())
 }
 
 /// Takes the samples as they are. `None` for kinds of samples that no enabled decoder gives.

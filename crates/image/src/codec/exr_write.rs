@@ -13,7 +13,12 @@ use super::{EncodeOptions, ExrCompression, ExrPrecision};
 use crate::{ImageError, MetadataValue, Picture};
 
 /// Files with fewer bytes of samples than this are compressed on one thread.
-const PARALLEL_BYTES: usize = 1 << 20;
+const PARALLEL_BYTES: usize = 1 << 17;
+
+/// Deflate's effort. On renders of some hundred samples, 32-bit floats shrink by 3 % at level 2 and
+/// by 1 % at level 1 in half the time; levels up to 9 gain nothing more. Smooth textures shrink to
+/// 52 % at level 2, 69 % at level 1, 50 % at level 6 (in 2.4 times the time).
+const DEFLATE_LEVEL: u32 = 2;
 
 /// Names may have up to this many bytes; those above 31 need a flag in the version field.
 const LONGEST_NAME: usize = 255;
@@ -298,7 +303,7 @@ fn reorder_and_difference(raw: &[u8]) -> Vec<u8> {
 fn deflate(bytes: &[u8]) -> Option<Vec<u8>> {
     // One byte less than the input: what does not fit is no gain.
     let mut packed = Vec::with_capacity(bytes.len().saturating_sub(1));
-    let mut compress = Compress::new(Compression::fast(), true);
+    let mut compress = Compress::new(Compression::new(DEFLATE_LEVEL), true);
     let status = compress.compress_vec(bytes, &mut packed, FlushCompress::Finish).ok()?;
     (status == Status::StreamEnd).then_some(packed)
 }

@@ -1,0 +1,170 @@
+//! Broken and lying files are errors: never a panic, never memory or time out of proportion.
+#![allow(clippy::disallowed_methods, reason = "the corpus is read from disk")]
+
+use std::path::Path;
+
+use etendue_image::{
+    BitDepth, EncodeOptions, ExrCompression, FileFormat, ImageError, Limits, Picture, decode,
+    decode_exr_layers, decode_with_limits, encode,
+};
+use exr::prelude as exrs;
+use exr::prelude::WritableImage;
+
+/// Xorshift: the same numbers at every run.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % bound as u64) as usize
+    }
+}
+
+fn picture(names: &[&str]) -> Picture {
+    let mut picture = Picture::new(19, 18);
+    for name in names {
+        picture.push(*name, (0..19 * 18).map(|index| index as f32 / 400.0).collect());
+    }
+    picture
+}
+
+/// An OpenEXR file in a compression or tiling that our writer does not have.
+fn foreign_exr(compression: exrs::Compression, blocks: exrs::Blocks) -> Vec<u8> {
+    let color = |position: exrs::Vec2<usize>| {
+        let value = (position.x() * position.y()) as f32 / 400.0;
+        (value, exr::prelude::f16::from_f32(value), position.x() as u32)
+    };
+    let channels = exrs::SpecificChannels::build()
+        .with_channel("R")
+        .with_channel("G")
+        .with_channel("B")
+        .with_pixel_fn(color);
+    let encoding = exrs::Encoding { compression, blocks, line_order: exrs::LineOrder::Increasing };
+    let size = exrs::Vec2(19, 18);
+    let attributes = exrs::LayerAttributes::named("main");
+    let layer = exrs::Layer::new(size, attributes, encoding, channels);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    exrs::Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+/// Sound files of every format, with the names that they go by.
+fn sound_files() -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    let options = EncodeOptions::default();
+    let deep = EncodeOptions {
+        bit_depth: BitDepth::Sixteen,
+        exr_compression: ExrCompression::None,
+        ..options
+    };
+    for format in FileFormat::all() {
+        for (kind, names, options) in [
+            ("colour", &["R", "G", "B"][..], &options),
+            ("grey", &["Y"], &options),
+            ("alpha", &["R", "G", "B", "A"], &deep),
+        ] {
+            let bytes = encode(&picture(names), format, options).unwrap();
+            files.push((format!("{kind}.{}", format.extensions()[0]), bytes));
+        }
+    }
+    let (lines, tiles) = (exrs::Blocks::ScanLines, exrs::Blocks::Tiles(exrs::Vec2(8, 7)));
+    for (compression, blocks) in [
+        (exrs::Compression::PIZ, lines),
+        (exrs::Compression::RLE, lines),
+        (exrs::Compression::ZIP1, tiles),
+        (exrs::Compression::PXR24, tiles),
+        (exrs::Compression::B44, lines),
+    ] {
+        files.push((format!("{compression:?} {blocks:?}.exr"), foreign_exr(compression, blocks)));
+    }
+    files.push(("plain.tga".into(), tga()));
+    files
+}
+
+/// An uncompressed TGA of 19 × 18 pixels.
+fn tga() -> Vec<u8> {
+    let mut bytes = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 19, 0, 18, 0, 24, 0x20];
+    bytes.extend((0..19 * 18 * 3).map(|index| index as u8));
+    bytes
+}
+
+/// Reads a file in every way. An outcome is an error or an image that fits its own description.
+fn survive(bytes: &[u8], name: &str) {
+    if let Ok(bitmap) = decode(bytes, name) {
+        let expected = bitmap.width as usize * bitmap.height as usize * bitmap.channels as usize;
+        assert_eq!(bitmap.samples.len(), expected, "{name}");
+    }
+    if let Ok(picture) = decode_exr_layers(bytes) {
+        // Duplicate channel names in a broken file are the only contradiction let through.
+        assert!(!picture.channels.is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn sound_files_are_read() {
+    for (name, bytes) in sound_files() {
+        let bitmap = decode(&bytes, &name).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!((bitmap.width, bitmap.height), (19, 18), "{name}");
+    }
+}
+
+#[test]
+fn truncated_files_do_not_panic() {
+    let mut random = Random(0x5eed);
+    for (name, bytes) in sound_files() {
+        for _ in 0..60 {
+            survive(&bytes[..random.below(bytes.len())], &name);
+        }
+        for length in 0..bytes.len().min(80) {
+            survive(&bytes[..length], &name);
+        }
+    }
+}
+
+#[test]
+fn disturbed_files_do_not_panic() {
+    let mut random = Random(0xd157);
+    for (name, bytes) in sound_files() {
+        for _ in 0..200 {
+            let mut bytes = bytes.clone();
+            // Most of what can go wrong is in the header.
+            let range = if random.below(3) > 0 { bytes.len().min(400) } else { bytes.len() };
+            for _ in 0..=random.below(4) {
+                bytes[random.below(range)] = [0, 1, 0x7f, 0x80, 0xff, b' '][random.below(6)];
+            }
+            survive(&bytes, &name);
+        }
+    }
+}
+
+#[test]
+fn files_beyond_the_limits_are_too_large() {
+    let limits = Limits { samples: 19 * 18, bytes: 1 << 20 };
+    for (name, bytes) in sound_files() {
+        let channels = decode(&bytes, &name).unwrap().channels;
+        let result = decode_with_limits(&bytes, &name, &limits);
+        if channels > 1 {
+            let is_too_large = matches!(result, Err(ImageError::TooLarge { .. }));
+            assert!(is_too_large, "{name}: {result:?}");
+        }
+    }
+}
+
+/// Every file of the corpus is broken in the way that its name says.
+#[test]
+fn the_corpus_is_refused() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let error = decode(&bytes, name).expect_err(name);
+        let is_unsupported = matches!(error, ImageError::Unsupported { .. });
+        assert_eq!(is_unsupported, name.starts_with("unsupported_"), "{name}: {error}");
+        count += 1;
+    }
+    assert!(count > 15, "{count}");
+}
