@@ -1,2 +1,61 @@
-//! Path, direct, depth, aov and moment integrators.
+//! How light is computed: one [`Integrator`] per way.
+//!
+//! # Contract
+//! - A camera sample is a pure function of the scene, the ray and the random numbers of its
+//!   [`SampleStream`]; nothing is kept from one to the next.
+//! - The estimate's expected value is the radiance along the ray. Results that are not finite are
+//!   the caller's to count and to leave out.
 #![forbid(unsafe_code)]
+
+mod aov;
+mod depth;
+mod direct;
+mod light;
+mod moment;
+mod path;
+mod registry;
+
+pub use aov::Aov;
+pub use depth::Depth;
+pub use direct::Direct;
+pub use moment::Moment;
+pub use path::Path;
+pub use registry::{INTEGRATORS, IntegratorOptions, build_integrator, plugins};
+
+use etendue_math::Ray;
+use etendue_render::Scene;
+use etendue_sampling::SampleStream;
+use etendue_spectrum::Spectrum;
+
+/// What one camera sample sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radiance {
+    /// Radiance, linear Rec.709.
+    pub color: Spectrum,
+    /// 1 where the ray meets something, 0 where the background shows.
+    pub alpha: f32,
+}
+
+impl Radiance {
+    /// Nothing there.
+    pub const NONE: Self = Self { color: Spectrum::ZERO, alpha: 0.0 };
+}
+
+/// A way to compute light.
+pub trait Integrator: Send + Sync {
+    /// The names of the layers beside the colour, such as `albedo.R`, in the order in which
+    /// [`Self::sample`] fills them.
+    fn layers(&self) -> &[String] {
+        &[]
+    }
+
+    /// What arrives along the unit direction of `ray`. `layers` has one place for each of
+    /// [`Self::layers`], all zero.
+    fn sample(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        stream: &mut SampleStream,
+        layers: &mut [f32],
+    ) -> Radiance;
+}

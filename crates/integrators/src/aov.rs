@@ -1,0 +1,147 @@
+//! `aov`: what is seen first, as numbers: for compositing, denoising and looking into a scene.
+
+use crate::{Integrator, Radiance};
+use etendue_document::{Fault, Parameters, list_names, near_names};
+use etendue_math::Ray;
+use etendue_render::bsdf::Bsdf;
+use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
+use etendue_sampling::SampleStream;
+use glam::Vec3;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Adds layers to the picture of the integrators nested in it. `aovs` lists them as \
+              `NAME:KIND`, separated by commas; a kind alone is its own name. The kinds are `albedo`, \
+              `depth`, `position`, `uv`, `geo_normal`, `sh_normal`, `dp_du`, `dp_dv`, `prim_index` and \
+              `shape_index`. They belong to the first surface along the camera ray, and are zero where \
+              there is none.",
+    parameters: &[ParameterManual {
+        name: "aovs",
+        kind: "string",
+        default: "",
+        meaning: "The layers.",
+    }],
+    sample: r#"<integrator type="aov"><string name="aovs" value="albedo:albedo, normal:sh_normal, depth"/><integrator type="path" name="img"/></integrator>"#,
+};
+
+/// A quantity known at a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Albedo,
+    Depth,
+    Position,
+    Uv,
+    GeometricNormal,
+    ShadingNormal,
+    DpDu,
+    DpDv,
+    PrimitiveIndex,
+    ShapeIndex,
+}
+
+/// The name of each kind, and of its channels.
+const KINDS: [(&str, Kind, &[&str]); 10] = [
+    ("albedo", Kind::Albedo, &["R", "G", "B"]),
+    ("depth", Kind::Depth, &["Z"]),
+    ("position", Kind::Position, &["X", "Y", "Z"]),
+    ("uv", Kind::Uv, &["U", "V"]),
+    ("geo_normal", Kind::GeometricNormal, &["X", "Y", "Z"]),
+    ("sh_normal", Kind::ShadingNormal, &["X", "Y", "Z"]),
+    ("dp_du", Kind::DpDu, &["X", "Y", "Z"]),
+    ("dp_dv", Kind::DpDv, &["X", "Y", "Z"]),
+    ("prim_index", Kind::PrimitiveIndex, &["I"]),
+    ("shape_index", Kind::ShapeIndex, &["I"]),
+];
+
+/// Adds layers to a picture.
+pub struct Aov {
+    kinds: Vec<Kind>,
+    layers: Vec<String>,
+    nested: Option<Box<dyn Integrator>>,
+}
+
+impl Aov {
+    /// Reads the list of layers; the picture is that of `nested`.
+    #[must_use]
+    pub fn build(parameters: &Parameters<'_>, nested: Option<Box<dyn Integrator>>) -> Self {
+        let mut aov = Self { kinds: Vec::new(), layers: Vec::new(), nested };
+        for item in parameters.string("aovs", "").split(',').map(str::trim) {
+            if item.is_empty() {
+                continue;
+            }
+            let (name, kind) = item.split_once(':').unwrap_or((item, item));
+            aov.add(parameters, name.trim(), kind.trim());
+        }
+        let nested_layers = aov.nested.as_ref().map_or(&[][..], |nested| nested.layers());
+        aov.layers.extend_from_slice(nested_layers);
+        aov
+    }
+
+    fn add(&mut self, parameters: &Parameters<'_>, name: &str, kind: &str) {
+        let Some((_, kind, channels)) = KINDS.iter().find(|(known, ..)| *known == kind) else {
+            let names = KINDS.iter().map(|(known, ..)| *known);
+            let near = near_names(kind, names.clone());
+            let near = if near.is_empty() { names.collect() } else { near };
+            let message = format!("there is no layer `{kind}`, but {}", list_names(near));
+            parameters.error(Fault::BadValue, "aovs", message);
+            return;
+        };
+        self.kinds.push(*kind);
+        self.layers.extend(channels.iter().map(|channel| format!("{name}.{channel}")));
+    }
+
+    fn fill(&self, scene: &Scene, surface: &SurfaceInteraction, layers: &mut [f32]) {
+        let bsdf = scene.prepare_bsdf(surface);
+        let mut rest = layers;
+        for kind in &self.kinds {
+            let (values, count) = kind.values(surface, &bsdf);
+            let (here, after) = rest.split_at_mut(count);
+            here.copy_from_slice(&values[..count]);
+            rest = after;
+        }
+    }
+}
+
+impl Kind {
+    /// The quantity's numbers, and how many of them count.
+    fn values(self, surface: &SurfaceInteraction, bsdf: &Bsdf<'_>) -> ([f32; 3], usize) {
+        let vector = |v: Vec3| (v.to_array(), 3);
+        match self {
+            Self::Albedo => (bsdf.albedo(surface.wi).rgb(), 3),
+            Self::Depth => ([surface.t, 0.0, 0.0], 1),
+            Self::Position => vector(surface.point),
+            Self::Uv => ([surface.uv.x, surface.uv.y, 0.0], 2),
+            Self::GeometricNormal => vector(surface.normal),
+            Self::ShadingNormal => vector(surface.to_world(bsdf.normal(surface.wi))),
+            Self::DpDu => vector(surface.dp_du),
+            Self::DpDv => vector(surface.dp_dv),
+            Self::PrimitiveIndex => ([surface.primitive as f32, 0.0, 0.0], 1),
+            Self::ShapeIndex => ([surface.shape.0 as f32, 0.0, 0.0], 1),
+        }
+    }
+}
+
+impl Integrator for Aov {
+    fn layers(&self) -> &[String] {
+        &self.layers
+    }
+
+    fn sample(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        stream: &mut SampleStream,
+        layers: &mut [f32],
+    ) -> Radiance {
+        let nested_count = self.nested.as_ref().map_or(0, |nested| nested.layers().len());
+        let (own, nested_layers) = layers.split_at_mut(layers.len() - nested_count);
+        let surface = scene.intersect(ray);
+        if let Some(surface) = &surface {
+            self.fill(scene, surface, own);
+        }
+        match &self.nested {
+            Some(nested) => nested.sample(scene, ray, stream, nested_layers),
+            None => Radiance { alpha: if surface.is_some() { 1.0 } else { 0.0 }, ..Radiance::NONE },
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! `depth`: the distance to what is seen.
+
+use crate::{Integrator, Radiance};
+use etendue_math::Ray;
+use etendue_render::{Manual, Scene};
+use etendue_sampling::SampleStream;
+use etendue_spectrum::Spectrum;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "The distance from the start of the camera ray to what it meets first, in scene units; zero \
+              where it meets nothing.",
+    parameters: &[],
+    sample: r#"<integrator type="depth"/>"#,
+};
+
+/// Shows distances.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Depth;
+
+impl Integrator for Depth {
+    fn sample(&self, scene: &Scene, ray: &Ray, _: &mut SampleStream, _: &mut [f32]) -> Radiance {
+        scene.intersect(ray).map_or(Radiance::NONE, |surface| Radiance {
+            color: Spectrum::splat(surface.t),
+            alpha: 1.0,
+        })
+    }
+}

@@ -1,0 +1,126 @@
+//! What path and direct lighting share: next-event estimation, emission found by chance, and how
+//! the two are weighed against each other.
+
+use etendue_math::Ray;
+use etendue_render::bsdf::{Bsdf, Transport};
+use etendue_render::{Scene, SurfaceInteraction};
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+
+/// The weight of a sample of density `pdf` when another technique could have found it with density
+/// `other` (Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, 1997, section 9.2.4:
+/// the power heuristic with exponent two).
+#[inline]
+#[must_use]
+pub(crate) fn power_heuristic(pdf: f32, other: f32) -> f32 {
+    let squared = pdf * pdf;
+    let sum = squared + other * other;
+    // Squares overflow beyond 1e19, where the larger density alone decides.
+    if sum.is_finite() { squared / sum } else { f32::from(u8::from(pdf > other)) }
+}
+
+/// A vertex that chose a direction: what the emission found there is weighed against.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Origin {
+    /// The vertex.
+    pub(crate) point: Vec3,
+    /// The density in solid angle of the direction taken, where next-event estimation at the vertex
+    /// competes with it; `None` where only this technique can find light.
+    pub(crate) pdf: Option<f32>,
+}
+
+impl Origin {
+    /// The weight of emission found in `direction`.
+    #[inline]
+    fn weight(
+        &self,
+        scene: &Scene,
+        emitter: etendue_render::EmitterId,
+        direction: Vec3,
+        surface: Option<&SurfaceInteraction>,
+    ) -> f32 {
+        let Some(pdf) = self.pdf else { return 1.0 };
+        let by_emitter = scene.emitter(emitter).pdf_direction(scene, self.point, direction, surface);
+        power_heuristic(pdf, by_emitter * scene.emitter_probability(emitter))
+    }
+}
+
+/// Radiance that the surface itself sends back along the ray that found it, weighed.
+#[inline]
+pub(crate) fn emitted(
+    scene: &Scene,
+    surface: &SurfaceInteraction,
+    direction: Vec3,
+    origin: &Origin,
+) -> Spectrum {
+    let Some(emitter) = scene.emitter_of(surface) else { return Spectrum::ZERO };
+    let radiance = scene.emitter(emitter).surface_radiance(scene, surface);
+    if radiance.is_black() {
+        return Spectrum::ZERO;
+    }
+    radiance * origin.weight(scene, emitter, direction, Some(surface))
+}
+
+/// Radiance from afar along a ray that leaves the scene, weighed.
+#[inline]
+pub(crate) fn distant(scene: &Scene, direction: Vec3, origin: &Origin) -> Spectrum {
+    scene.environments().iter().fold(Spectrum::ZERO, |sum, &emitter| {
+        let radiance = scene.emitter(emitter).distant_radiance(direction);
+        sum + radiance * origin.weight(scene, emitter, direction, None)
+    })
+}
+
+/// Next-event estimation: light straight from an emitter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NextEvent {
+    /// Whether light must be on the same side of the geometric as of the shading normal.
+    pub(crate) strict_normals: bool,
+    /// How many directions the material samples for each one that the emitters sample.
+    pub(crate) scatter_ratio: f32,
+}
+
+impl NextEvent {
+    /// Light that one emitter, chosen by chance, sends over `surface` back along the path, weighed
+    /// against the chance that scattering finds it.
+    #[inline]
+    pub(crate) fn estimate(
+        &self,
+        scene: &Scene,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'_>,
+        mut random: Vec2,
+    ) -> Spectrum {
+        let Some(choice) = scene.choose_emitter(&mut random.x) else { return Spectrum::ZERO };
+        let emitter = scene.emitter(choice.emitter);
+        let Some(light) = emitter.sample_direction(scene, surface.point, random) else {
+            return Spectrum::ZERO;
+        };
+        let wo = surface.to_local(light.direction);
+        if self.strict_normals && light.direction.dot(surface.normal) * wo.z <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        let (value, scatter_pdf) = bsdf.eval_pdf(surface.wi, wo, Transport::Radiance);
+        let contribution = value * light.radiance;
+        if contribution.is_black() || scene.occluded(&light.shadow_ray(surface)) {
+            return Spectrum::ZERO;
+        }
+        let pdf = light.pdf * choice.probability;
+        let other = scatter_pdf * self.scatter_ratio;
+        let weight = if light.delta { 1.0 } else { power_heuristic(pdf, other) };
+        contribution * (weight / pdf)
+    }
+}
+
+/// What a camera ray hits first, emitters left out if they are to be hidden.
+#[inline]
+pub(crate) fn first_hit(scene: &Scene, ray: &Ray, hide_emitters: bool) -> Option<SurfaceInteraction> {
+    let mut surface = scene.intersect(ray)?;
+    let mut travelled = surface.t;
+    while hide_emitters && scene.emitter_of(&surface).is_some() {
+        let beyond = Ray { t_max: ray.t_max - travelled, ..surface.spawn_ray(ray.direction) };
+        surface = scene.intersect(&beyond)?;
+        travelled += surface.t;
+        surface.t = travelled;
+    }
+    Some(surface)
+}

@@ -1,0 +1,186 @@
+//! `path`: unidirectional path tracing with next-event estimation.
+
+use crate::light::{NextEvent, Origin, distant, emitted, first_hit};
+use crate::{Integrator, Radiance};
+use etendue_document::{Fault, Parameters};
+use etendue_math::Ray;
+use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
+use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
+use etendue_sampling::SampleStream;
+use etendue_spectrum::Spectrum;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Path tracing: at every vertex an emitter is sampled and the material is sampled, and both \
+              are combined by multiple importance sampling.",
+    parameters: &[
+        ParameterManual { name: "max_depth", kind: "integer", default: "-1", meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit." },
+        ParameterManual { name: "rr_depth", kind: "integer", default: "5", meaning: "From this depth on, paths end by Russian roulette." },
+        ParameterManual { name: "hide_emitters", kind: "boolean", default: "false", meaning: "The camera does not see emitters." },
+        ParameterManual { name: "strict_normals", kind: "boolean", default: "false", meaning: "Light must be on the same side of the geometric as of the shading normal." },
+    ],
+    sample: r#"<integrator type="path"><integer name="max_depth" value="8"/></integrator>"#,
+};
+
+/// The path tracer.
+#[derive(Clone, Debug)]
+pub struct Path {
+    /// The longest path, in edges.
+    pub max_depth: u32,
+    /// From this depth on, paths end by Russian roulette.
+    pub rr_depth: u32,
+    /// Whether the camera passes through emitters.
+    pub hide_emitters: bool,
+    /// Whether light must be on the same side of the geometric as of the shading normal.
+    pub strict_normals: bool,
+    /// Whether emitters are sampled; without, light is found by chance alone.
+    pub emitter_sampling: bool,
+}
+
+impl Path {
+    /// Reads a path tracer.
+    #[must_use]
+    pub fn build(parameters: &Parameters<'_>, emitter_sampling: bool) -> Self {
+        let max_depth = parameters.integer("max_depth", -1);
+        if max_depth < -1 {
+            parameters.error(Fault::BadValue, "max_depth", "expected −1 (no limit), or a length of 0 or more");
+        }
+        Self {
+            max_depth: u32::try_from(max_depth).unwrap_or(u32::MAX),
+            rr_depth: parameters.integer_in("rr_depth", 5, 1..=i64::from(u32::MAX)) as u32,
+            hide_emitters: parameters.boolean("hide_emitters", false),
+            strict_normals: parameters.boolean("strict_normals", false),
+            emitter_sampling,
+        }
+    }
+}
+
+/// A path on its way.
+struct State {
+    ray: Ray,
+    /// The last vertex, and how it chose the direction of `ray`.
+    origin: Origin,
+    /// The share of the light at the end of `ray` that arrives at the camera.
+    throughput: Spectrum,
+    /// The index of refraction here relative to the camera's: light that will leave glass again is
+    /// not lost to roulette for being compressed in it.
+    eta: f32,
+    /// Edges so far.
+    depth: u32,
+    radiance: Spectrum,
+    alpha: f32,
+}
+
+impl Integrator for Path {
+    fn sample(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        stream: &mut SampleStream,
+        _: &mut [f32],
+    ) -> Radiance {
+        let mut path = State {
+            ray: *ray,
+            origin: Origin { point: ray.origin, pdf: None },
+            throughput: Spectrum::ONE,
+            eta: 1.0,
+            depth: 0,
+            radiance: Spectrum::ZERO,
+            alpha: 0.0,
+        };
+        while path.depth < self.max_depth {
+            let hit = if path.depth == 0 {
+                first_hit(scene, &path.ray, self.hide_emitters)
+            } else {
+                scene.intersect(&path.ray)
+            };
+            let Some(surface) = hit else {
+                self.escape(scene, &mut path);
+                break;
+            };
+            path.radiance +=
+                path.throughput * emitted(scene, &surface, path.ray.direction, &path.origin);
+            if path.depth + 1 >= self.max_depth || !self.continues(scene, &mut path, &surface, stream) {
+                path.alpha = path.alpha.max(if path.depth == 0 { 1.0 } else { 0.0 });
+                break;
+            }
+        }
+        Radiance { color: path.radiance, alpha: path.alpha }
+    }
+}
+
+impl Path {
+    /// The ray has left the scene.
+    fn escape(&self, scene: &Scene, path: &mut State) {
+        if self.hide_emitters && path.depth == 0 {
+            return;
+        }
+        path.radiance += path.throughput * distant(scene, path.ray.direction, &path.origin);
+        if !self.hide_emitters && !scene.environments().is_empty() {
+            path.alpha = 1.0;
+        }
+    }
+
+    /// Gathers light at a vertex and goes on from there; false where the path ends.
+    fn continues(
+        &self,
+        scene: &Scene,
+        path: &mut State,
+        surface: &SurfaceInteraction,
+        stream: &mut SampleStream,
+    ) -> bool {
+        let inconsistent = surface.normal.dot(path.ray.direction) * surface.wi.z >= 0.0;
+        if self.strict_normals && inconsistent {
+            return false;
+        }
+        let bsdf = scene.prepare_bsdf(surface);
+        let light_random = stream.next_2d();
+        let competing = self.emitter_sampling && bsdf.has_smooth_lobe();
+        if competing {
+            let next_event = NextEvent { strict_normals: self.strict_normals, scatter_ratio: 1.0 };
+            path.radiance += path.throughput * next_event.estimate(scene, surface, &bsdf, light_random);
+        }
+        self.scatter(path, surface, &bsdf, stream) && self.survives(path, stream)
+    }
+
+    /// Takes the next direction; false where there is none.
+    fn scatter(
+        &self,
+        path: &mut State,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'_>,
+        stream: &mut SampleStream,
+    ) -> bool {
+        let (lobe, direction) = (stream.next_1d(), stream.next_2d());
+        let sample = bsdf.sample(surface.wi, lobe, direction, Transport::Radiance);
+        let Some(BsdfSample { wo, weight, pdf, eta, lobe }) = sample else { return false };
+        let direction = surface.to_world(wo);
+        if self.strict_normals && lobe != Lobe::Null && direction.dot(surface.normal) * wo.z <= 0.0 {
+            return false;
+        }
+        if lobe != Lobe::Null {
+            path.alpha = 1.0;
+        }
+        path.throughput *= weight;
+        path.eta *= eta;
+        path.ray = surface.spawn_ray(direction);
+        let competing = self.emitter_sampling && lobe.is_smooth();
+        path.origin = Origin { point: surface.point, pdf: competing.then_some(pdf) };
+        path.depth += 1;
+        !path.throughput.is_black()
+    }
+
+    /// Russian roulette: paths that carry little end early, and the survivors stand for them.
+    fn survives(&self, path: &mut State, stream: &mut SampleStream) -> bool {
+        let random = stream.next_1d();
+        if path.depth < self.rr_depth {
+            return true;
+        }
+        let probability = (path.throughput.max_component() * path.eta * path.eta).min(0.95);
+        if random >= probability {
+            return false;
+        }
+        path.throughput *= 1.0 / probability;
+        true
+    }
+}

@@ -1,0 +1,133 @@
+//! Every integrator, one line each.
+
+use crate::{Aov, Depth, Direct, Integrator, Moment, Path, aov, depth, direct, moment, path};
+use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters};
+use etendue_render::registry::report_unknown;
+use etendue_render::{Manual, Scene};
+
+/// What the user of the library decides about how light is computed, over what the scene says.
+#[derive(Clone, Debug)]
+pub struct IntegratorOptions {
+    /// Another integrator than the scene's, by its XML `type`, with the scene's parameters.
+    pub name: Option<String>,
+    /// Whether emitters are sampled; without, light is found by chance alone.
+    pub emitter_sampling: bool,
+}
+
+impl Default for IntegratorOptions {
+    fn default() -> Self {
+        Self { name: None, emitter_sampling: true }
+    }
+}
+
+/// What an integrator is built from.
+struct Build<'a> {
+    parameters: &'a Parameters<'a>,
+    options: &'a IntegratorOptions,
+    /// How many integrators this one is nested in.
+    nesting: u32,
+}
+
+type BuildIntegrator = fn(&Build<'_>) -> Option<Box<dyn Integrator>>;
+
+/// One integrator: its XML `type`, its manual page, and how it is built.
+pub struct IntegratorPlugin {
+    /// The XML `type`.
+    pub name: &'static str,
+    /// Its manual page.
+    pub manual: &'static Manual,
+    build: BuildIntegrator,
+}
+
+const fn plugin(name: &'static str, manual: &'static Manual, build: BuildIntegrator) -> IntegratorPlugin {
+    IntegratorPlugin { name, manual, build }
+}
+
+/// The integrators.
+pub static INTEGRATORS: &[IntegratorPlugin] = &[
+    plugin("aov", &aov::MANUAL, |b| {
+        let first = b.nested()?.into_iter().next().map(|(_, integrator)| integrator);
+        Some(Box::new(Aov::build(b.parameters, first)))
+    }),
+    plugin("depth", &depth::MANUAL, |_| Some(Box::new(Depth))),
+    plugin("direct", &direct::MANUAL, |b| {
+        Some(Box::new(Direct::build(b.parameters, b.options.emitter_sampling)))
+    }),
+    plugin("moment", &moment::MANUAL, |b| Some(Box::new(Moment::new(b.nested()?)))),
+    plugin("path", &path::MANUAL, |b| {
+        Some(Box::new(Path::build(b.parameters, b.options.emitter_sampling)))
+    }),
+];
+
+/// Integrators nested deeper than this are a mistake or an attack.
+const MAX_NESTING: u32 = 8;
+
+impl Build<'_> {
+    /// The integrators nested in this one, by name.
+    fn nested(&self) -> Option<Vec<(String, Box<dyn Integrator>)>> {
+        if self.nesting >= MAX_NESTING {
+            self.parameters.error(Fault::Limit, "", "integrators are nested too deeply");
+            return None;
+        }
+        let mut nested = Vec::new();
+        for child in self.parameters.children_of(Class::Integrator) {
+            let parameters =
+                self.parameters.document().parameters(child.node, self.parameters.diagnostics());
+            let name = child.name.clone().unwrap_or_else(|| format!("image{}", nested.len()));
+            let options = IntegratorOptions { name: None, ..self.options.clone() };
+            let build = Build { parameters: &parameters, options: &options, nesting: self.nesting + 1 };
+            nested.push((name, build.by_name(parameters.plugin())?));
+            parameters.finish();
+        }
+        Some(nested)
+    }
+
+    fn by_name(&self, name: &str) -> Option<Box<dyn Integrator>> {
+        match INTEGRATORS.iter().find(|plugin| plugin.name == name) {
+            Some(plugin) => (plugin.build)(self),
+            None => {
+                report_unknown(self.parameters, INTEGRATORS.iter().map(|plugin| plugin.name));
+                None
+            }
+        }
+    }
+}
+
+/// The integrator of a scene, or a path tracer where the file has none; `None` after reporting what
+/// is wrong with it.
+#[must_use]
+pub fn build_integrator(
+    document: &Document,
+    scene: &Scene,
+    options: &IntegratorOptions,
+    diagnostics: &Diagnostics,
+) -> Option<Box<dyn Integrator>> {
+    let node: NodeId = scene.integrator().unwrap_or(document.root);
+    let parameters = document.parameters(node, diagnostics);
+    let name = match (&options.name, scene.integrator()) {
+        (Some(name), _) => name,
+        (None, Some(_)) => parameters.plugin(),
+        (None, None) => "path",
+    };
+    let Some(plugin) = INTEGRATORS.iter().find(|plugin| plugin.name == name) else {
+        if options.name.is_some() {
+            let message = format!("there is no integrator `{name}`");
+            diagnostics.error(Fault::UnknownPlugin, None, message);
+        } else {
+            report_unknown(&parameters, INTEGRATORS.iter().map(|plugin| plugin.name));
+        }
+        return None;
+    };
+    let integrator = (plugin.build)(&Build { parameters: &parameters, options, nesting: 0 });
+    // Parameters of the scene's own integrator may mean nothing to another one.
+    if scene.integrator().is_some() && options.name.is_none() {
+        parameters.finish();
+    }
+    if diagnostics.has_errors() { None } else { integrator }
+}
+
+/// Every plugin of this crate: class, name and manual page.
+#[must_use]
+pub fn plugins() -> Vec<(Class, &'static str, &'static Manual)> {
+    INTEGRATORS.iter().map(|plugin| (Class::Integrator, plugin.name, plugin.manual)).collect()
+}

@@ -1,0 +1,257 @@
+//! Document → scene: the way from typed parameters to plugins.
+
+mod assets;
+mod colors;
+mod shapes;
+
+pub use assets::Assets;
+
+use crate::bsdf::Material;
+use crate::emitter::Emitter;
+use crate::film::FilmSpec;
+use crate::ids::{MaterialId, TextureId};
+use crate::registry::{self, find};
+use crate::rfilter::ReconstructionFilter;
+use crate::scene::{Parts, Scene, SensorSetup};
+use crate::texture::Texture;
+use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
+use etendue_math::Transform;
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// What the user of the library decides about a scene, over what its file says.
+#[derive(Clone, Debug, Default)]
+pub struct BuildOptions {
+    /// The film's width and height in pixels.
+    pub film_size: Option<[u32; 2]>,
+    /// The part of the film that is rendered: x, y, width and height in pixels.
+    pub crop: Option<[u32; 4]>,
+    /// The film's reconstruction filter, by its XML `type`.
+    pub filter: Option<String>,
+    /// Whether a missing file is a warning, and the rest of the scene goes on.
+    pub skip_missing: bool,
+}
+
+/// Builds the frozen scene of a document. Errors and warnings go to `diagnostics`; `None` where
+/// there was an error. Files are read through `resources`, several at once.
+#[must_use]
+pub fn build_scene(
+    document: &Document,
+    resources: &dyn Resources,
+    diagnostics: &Diagnostics,
+    options: &BuildOptions,
+) -> Option<Scene> {
+    let assets = Assets::new(document, resources, diagnostics, options.skip_missing);
+    let loaded = assets.load();
+    let mut builder = Builder::new(&assets, options);
+    builder.textures_decoded = loaded.textures;
+    let root = document.parameters(document.root, diagnostics);
+    let parts = Parts {
+        sensors: builder.sensors(&root),
+        integrator: root.children_of(Class::Integrator).first().map(|child| child.node),
+        ..builder.shapes(&root, loaded.geometry)
+    };
+    let parts = Parts { emitters: builder.emitters(&root, parts.emitters), ..parts };
+    builder.unused_nodes(&root);
+    root.finish();
+    if diagnostics.has_errors() {
+        return None;
+    }
+    let hash = assets.content_hash();
+    Scene::new(Parts { materials: builder.materials, textures: builder.textures, hash, ..parts }, diagnostics)
+}
+
+/// A 4×4 transform parameter; `None` after reporting one that has no inverse.
+#[must_use]
+pub fn read_transform(parameters: &Parameters<'_>, name: &str) -> Option<Transform> {
+    let transform = Transform::from_matrix(&parameters.transform(name));
+    if transform.is_none() {
+        parameters.error(Fault::BadValue, name, "the transform has no inverse, or is not finite");
+    }
+    transform
+}
+
+/// Rounds to single precision.
+#[must_use]
+pub fn to_vec3(v: DVec3) -> Vec3 {
+    v.as_vec3()
+}
+
+/// Builds plugins from document nodes. Nodes that several others refer to are built once.
+#[derive(Debug)]
+pub struct Builder<'a> {
+    /// Documents, bytes, and where findings go.
+    pub assets: &'a Assets<'a>,
+    /// The materials so far.
+    pub materials: Vec<Material>,
+    /// The textures so far.
+    pub textures: Vec<Texture>,
+    options: &'a BuildOptions,
+    materials_built: HashMap<NodeId, Option<MaterialId>>,
+    textures_built: HashMap<NodeId, Option<TextureId>>,
+    textures_decoded: HashMap<NodeId, assets::Decoded<'a>>,
+    default_material: Option<MaterialId>,
+}
+
+impl<'a> Builder<'a> {
+    /// A builder that has built nothing.
+    #[must_use]
+    pub fn new(assets: &'a Assets<'a>, options: &'a BuildOptions) -> Self {
+        Self {
+            assets,
+            materials: Vec::new(),
+            textures: Vec::new(),
+            options,
+            materials_built: HashMap::new(),
+            textures_built: HashMap::new(),
+            textures_decoded: HashMap::new(),
+            default_material: None,
+        }
+    }
+
+    /// The parameters of a node.
+    #[must_use]
+    pub fn parameters(&self, node: NodeId) -> Parameters<'a> {
+        self.assets.document.parameters(node, self.assets.diagnostics)
+    }
+
+    /// The material of a `bsdf` node; `None` after reporting why there is none.
+    pub fn material(&mut self, node: NodeId) -> Option<MaterialId> {
+        if let Some(built) = self.materials_built.get(&node) {
+            return *built;
+        }
+        let parameters = self.parameters(node);
+        let material = find(registry::BSDFS, &parameters).and_then(|build| build(self, &parameters));
+        let id = material.map(|material| self.add_material(material));
+        if id.is_some() {
+            parameters.finish();
+        }
+        self.materials_built.insert(node, id);
+        id
+    }
+
+    /// The materials of the `bsdf` children of a node, in order.
+    pub fn nested_materials(&mut self, parameters: &Parameters<'_>) -> Vec<MaterialId> {
+        let children = parameters.children_of(Class::Bsdf);
+        children.iter().filter_map(|child| self.material(child.node)).collect()
+    }
+
+    /// Adds a material to the scene.
+    pub fn add_material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// What a shape without a material is made of: grey, diffuse.
+    fn default_material(&mut self) -> MaterialId {
+        if let Some(id) = self.default_material {
+            return id;
+        }
+        let id = self.add_material(Material::Diffuse(crate::bsdf::diffuse::Diffuse::default()));
+        self.default_material = Some(id);
+        id
+    }
+
+    /// The texture of a `texture` node; `None` after reporting why there is none.
+    pub fn texture(&mut self, node: NodeId) -> Option<TextureId> {
+        if let Some(built) = self.textures_built.get(&node) {
+            return *built;
+        }
+        let texture = if let Some(decoded) = self.textures_decoded.remove(&node) {
+            decoded.parameters.finish();
+            decoded.texture
+        } else {
+            let parameters = self.parameters(node);
+            let texture = find(registry::TEXTURES, &parameters).and_then(|build| build(self, &parameters));
+            if texture.is_some() {
+                parameters.finish();
+            }
+            texture
+        };
+        let id = texture.map(|texture| self.add_texture(texture));
+        self.textures_built.insert(node, id);
+        id
+    }
+
+    /// Adds a texture to the scene.
+    pub fn add_texture(&mut self, texture: Texture) -> TextureId {
+        self.textures.push(texture);
+        TextureId(self.textures.len() as u32 - 1)
+    }
+
+    /// The first texture child that has no name, or a name nobody asked for.
+    pub fn unnamed_texture(&mut self, parameters: &Parameters<'_>) -> Option<TextureId> {
+        let child = parameters.unnamed_child(Class::Texture)?;
+        self.texture(child.node)
+    }
+
+    fn emitters(&mut self, root: &Parameters<'_>, mut emitters: Vec<Emitter>) -> Vec<Emitter> {
+        for child in root.children_of(Class::Emitter) {
+            let parameters = self.parameters(child.node);
+            let emitter = find(registry::EMITTERS, &parameters).and_then(|build| build(self, &parameters));
+            if emitter.is_some() {
+                parameters.finish();
+            }
+            emitters.extend(emitter);
+        }
+        emitters
+    }
+
+    fn sensors(&mut self, root: &Parameters<'_>) -> Vec<SensorSetup> {
+        let children = root.children_of(Class::Sensor);
+        children.iter().filter_map(|child| self.sensor(child.node)).collect()
+    }
+
+    fn sensor(&mut self, node: NodeId) -> Option<SensorSetup> {
+        let parameters = self.parameters(node);
+        let film = self.film(&parameters)?;
+        let sampler = crate::sampler::build_child(&parameters);
+        let build = find(registry::SENSORS, &parameters)?;
+        let sensor = build(self, &parameters, &film)?;
+        let id = parameters.id().map(str::to_owned);
+        parameters.finish();
+        Some(SensorSetup { id, sensor, film, sampler: sampler? })
+    }
+
+    fn film(&mut self, sensor: &Parameters<'_>) -> Option<FilmSpec> {
+        let mut film = match sensor.unnamed_child(Class::Film) {
+            None => FilmSpec::default(),
+            Some(child) => {
+                let parameters = self.parameters(child.node);
+                let build = find(registry::FILMS, &parameters)?;
+                let film = build(self, &parameters);
+                parameters.finish();
+                film?
+            }
+        };
+        if let Some(size) = self.options.film_size {
+            film.resize(size);
+        }
+        if let Some(crop) = self.options.crop {
+            if let Err(problem) = film.set_crop(crop) {
+                self.assets.diagnostics.error(Fault::BadValue, None, problem);
+            }
+        }
+        if let Some(name) = &self.options.filter {
+            match ReconstructionFilter::by_name(name) {
+                Some(filter) => film.filter = filter,
+                None => {
+                    let message = format!("there is no reconstruction filter `{name}`");
+                    self.assets.diagnostics.error(Fault::UnknownPlugin, None, message);
+                }
+            }
+        }
+        Some(film)
+    }
+
+    /// Builds what stands at the top of the scene only to be referred to, so that mistakes in it are
+    /// found even where nothing uses it; then says which kinds of nodes are not read.
+    fn unused_nodes(&mut self, root: &Parameters<'_>) {
+        for child in root.children_of(Class::Bsdf) {
+            let _ = self.material(child.node);
+        }
+        for child in root.children_of(Class::Texture) {
+            let _ = self.texture(child.node);
+        }
+    }
+}

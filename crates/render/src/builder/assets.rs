@@ -1,0 +1,178 @@
+//! Files: found, read, hashed and decoded, several at once.
+
+use crate::registry::{self, find};
+use crate::shape::Geometry;
+use crate::texture::{Texture, bitmap};
+use etendue_document::{
+    Class, Diagnostic, Diagnostics, Document, Fault, NodeId, Parameters, ResourceError, Resources,
+    Severity,
+};
+use etendue_mesh::MeshError;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::{self, Debug};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// What plugins are built from: the document, bytes by name, and where findings go.
+pub struct Assets<'a> {
+    /// What the user wrote.
+    pub document: &'a Document,
+    /// Bytes by name.
+    pub resources: &'a dyn Resources,
+    /// Where errors and warnings go.
+    pub diagnostics: &'a Diagnostics,
+    skip_missing: bool,
+    /// The hash of every file read so far.
+    hashes: Mutex<BTreeMap<PathBuf, blake3::Hash>>,
+}
+
+impl Debug for Assets<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("Assets").field("skip_missing", &self.skip_missing).finish_non_exhaustive()
+    }
+}
+
+/// A texture decoded ahead of the rest of the scene.
+#[derive(Debug)]
+pub(super) struct Decoded<'a> {
+    pub(super) parameters: Parameters<'a>,
+    pub(super) texture: Option<Texture>,
+}
+
+/// The geometry of a shape, built ahead of its material.
+#[derive(Debug)]
+pub(super) struct LoadedShape<'a> {
+    pub(super) parameters: Parameters<'a>,
+    pub(super) geometry: Option<Geometry>,
+}
+
+/// Everything that could be built in parallel.
+#[derive(Debug)]
+pub(super) struct Loaded<'a> {
+    pub(super) geometry: HashMap<NodeId, LoadedShape<'a>>,
+    pub(super) textures: HashMap<NodeId, Decoded<'a>>,
+}
+
+enum Item<'a> {
+    Shape(LoadedShape<'a>),
+    Texture(Decoded<'a>),
+}
+
+impl<'a> Assets<'a> {
+    /// Nothing read yet.
+    #[must_use]
+    pub fn new(
+        document: &'a Document,
+        resources: &'a dyn Resources,
+        diagnostics: &'a Diagnostics,
+        skip_missing: bool,
+    ) -> Self {
+        Self { document, resources, diagnostics, skip_missing, hashes: Mutex::default() }
+    }
+
+    /// Builds the geometry of all shapes and decodes all pictures, several at once.
+    pub(super) fn load(&self) -> Loaded<'_> {
+        let nodes: Vec<NodeId> = (0..self.document.nodes.len() as u32).map(NodeId).collect();
+        let items: Vec<(NodeId, Item<'_>)> = nodes
+            .par_iter()
+            // Sizes differ by a thousand: each item is stolen alone.
+            .with_max_len(1)
+            .filter_map(|&node| Some((node, self.load_node(node)?)))
+            .collect();
+        let mut loaded = Loaded { geometry: HashMap::new(), textures: HashMap::new() };
+        for (node, item) in items {
+            match item {
+                Item::Shape(shape) => drop(loaded.geometry.insert(node, shape)),
+                Item::Texture(texture) => drop(loaded.textures.insert(node, texture)),
+            }
+        }
+        loaded
+    }
+
+    fn load_node(&self, id: NodeId) -> Option<Item<'_>> {
+        let node = self.document.node(id);
+        let parameters = || self.document.parameters(id, self.diagnostics);
+        match (node.class, node.plugin.as_str()) {
+            (Class::Shape, plugin) => {
+                let composite = registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
+                if composite {
+                    return None;
+                }
+                let parameters = parameters();
+                let build = find(registry::SHAPES, &parameters);
+                let geometry = build.and_then(|build| build(self, &parameters));
+                Some(Item::Shape(LoadedShape { parameters, geometry }))
+            }
+            (Class::Texture, "bitmap") => {
+                let parameters = parameters();
+                let texture = bitmap::load(self, &parameters).map(Texture::Bitmap);
+                Some(Item::Texture(Decoded { parameters, texture }))
+            }
+            _ => None,
+        }
+    }
+
+    /// The bytes of the file that the parameter `name` names, and where it was found; `None` after
+    /// reporting what went wrong.
+    #[must_use]
+    pub fn read_file(&self, parameters: &Parameters<'_>, name: &str) -> Option<(PathBuf, Vec<u8>)> {
+        let file_name = parameters.required_string(name)?;
+        let span = parameters.span_of(name);
+        let path = match self.document.resolve(file_name, span, self.resources) {
+            Ok(path) => path,
+            Err(not_found) => {
+                let message = format!("no file `{file_name}`");
+                let diagnostic = Diagnostic::new(self.missing(), Fault::Io, span, message);
+                let lines = not_found.help();
+                self.diagnostics.push(lines.into_iter().fold(diagnostic, Diagnostic::help));
+                return None;
+            }
+        };
+        match self.resources.read(&path) {
+            Ok(bytes) => {
+                self.remember(&path, &bytes);
+                Some((path, bytes))
+            }
+            Err(ResourceError::NotFound) => {
+                let message = format!("no file `{}`", path.display());
+                self.diagnostics.push(Diagnostic::new(self.missing(), Fault::Io, span, message));
+                None
+            }
+            Err(error) => {
+                let message = format!("cannot read `{}`: {error}", path.display());
+                self.diagnostics.error(Fault::Io, span, message);
+                None
+            }
+        }
+    }
+
+    /// How bad a missing file is.
+    fn missing(&self) -> Severity {
+        if self.skip_missing { Severity::Warning } else { Severity::Error }
+    }
+
+    /// Reports a mesh file that cannot be read.
+    pub fn report_mesh_error(&self, parameters: &Parameters<'_>, path: &Path, error: &MeshError) {
+        let message = format!("{}: {error}", path.display());
+        parameters.error(Fault::Geometry, "filename", message);
+    }
+
+    fn remember(&self, path: &Path, bytes: &[u8]) {
+        let hash = blake3::hash(bytes);
+        // A panic elsewhere cannot leave the map half written.
+        self.hashes.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), hash);
+    }
+
+    /// The hash of everything the scene was built from: the texts, and every file read.
+    pub(super) fn content_hash(&self) -> [u8; 32] {
+        let mut hasher = blake3::Hasher::new();
+        for source in self.document.sources.iter() {
+            hasher.update(source.text().as_bytes());
+        }
+        for hash in self.hashes.lock().unwrap_or_else(PoisonError::into_inner).values() {
+            hasher.update(hash.as_bytes());
+        }
+        hasher.finalize().into()
+    }
+}

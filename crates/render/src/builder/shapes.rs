@@ -1,0 +1,155 @@
+//! Shapes, groups and instances.
+
+use super::assets::LoadedShape;
+use super::{Builder, read_transform};
+use crate::emitter::{Emitter, area};
+use crate::ids::{EmitterId, GroupId, MaterialId, ShapeId};
+use crate::registry;
+use crate::scene::{Parts, build_tree};
+use crate::shape::instance::Instance;
+use crate::shape::shapegroup::Group;
+use crate::shape::{Geometry, Shape};
+use etendue_document::{Child, Class, Fault, NodeId, Parameters};
+use std::collections::HashMap;
+
+/// Shapes whose geometry is there, waiting for materials.
+type LoadedShapes<'a> = HashMap<NodeId, LoadedShape<'a>>;
+
+impl<'a> Builder<'a> {
+    /// All shapes of the scene: those that stand alone, then instances, then those within groups.
+    pub(super) fn shapes(&mut self, root: &Parameters<'_>, mut loaded: LoadedShapes<'a>) -> Parts {
+        let mut parts = Parts::default();
+        let children = root.children_of(Class::Shape);
+        let plugin = |child: &&Child| self.assets.document.node(child.node).plugin.as_str();
+        let (composite, simple): (Vec<_>, Vec<_>) = children
+            .into_iter()
+            .partition(|child| registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin(child)));
+        let instances: Vec<NodeId> =
+            composite.iter().filter(|child| plugin(child) == "instance").map(|child| child.node).collect();
+        for child in simple {
+            if let Some(shape) = loaded.remove(&child.node) {
+                self.add_shape(shape, &mut parts);
+            }
+        }
+        self.add_instances(&instances, &mut loaded, &mut parts);
+        parts
+    }
+
+    fn add_shape(&mut self, loaded: LoadedShape<'_>, parts: &mut Parts) {
+        let LoadedShape { parameters, geometry } = loaded;
+        let material = self.shape_material(&parameters);
+        let Some(mut geometry) = geometry else { return };
+        let id = ShapeId(parts.shapes.len() as u32);
+        let emitter = self.shape_emitter(&parameters, id).map(|emitter| {
+            if let Geometry::Mesh(mesh) = &mut geometry {
+                mesh.prepare_sampling();
+            }
+            parts.emitters.push(emitter);
+            EmitterId(parts.emitters.len() as u32 - 1)
+        });
+        parameters.finish();
+        parts.shapes.push(Shape { geometry, material, emitter });
+    }
+
+    fn shape_material(&mut self, parameters: &Parameters<'_>) -> MaterialId {
+        let children = parameters.children_of(Class::Bsdf);
+        if let [_, second, ..] = children.as_slice() {
+            let message = "a shape has one material: this one is left out";
+            self.assets.diagnostics.warning(Fault::BadValue, second.span, message);
+        }
+        let first = children.first().and_then(|child| self.material(child.node));
+        first.unwrap_or_else(|| self.default_material())
+    }
+
+    fn shape_emitter(&mut self, parameters: &Parameters<'_>, shape: ShapeId) -> Option<Emitter> {
+        let child = parameters.unnamed_child(Class::Emitter)?;
+        let parameters = self.parameters(child.node);
+        if parameters.plugin() != "area" {
+            registry::report_unknown(&parameters, registry::SHAPE_EMITTERS.iter().map(|entry| entry.name));
+            return None;
+        }
+        let emitter = area::build(self, &parameters, shape);
+        parameters.finish();
+        Some(Emitter::Area(emitter))
+    }
+
+    fn add_instances(&mut self, nodes: &[NodeId], loaded: &mut LoadedShapes<'a>, parts: &mut Parts) {
+        // Groups are built first: an instance's box needs its group's.
+        let mut groups: HashMap<NodeId, Option<GroupId>> = HashMap::new();
+        let mut grouped_shapes = Vec::new();
+        let mut placed = Vec::new();
+        for &node in nodes {
+            let parameters = self.parameters(node);
+            let to_world = read_transform(&parameters, "to_world");
+            let group = self.group_of(&parameters, &mut groups, loaded, &mut grouped_shapes);
+            parameters.finish();
+            let (Some(to_world), Some(group)) = (to_world, group) else { continue };
+            placed.push((group, to_world));
+        }
+        let first_grouped = (parts.shapes.len() + placed.len()) as u32;
+        let mut first = first_grouped;
+        for shapes in &grouped_shapes {
+            match build_tree(shapes, &[]) {
+                Ok(bvh) => parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) }),
+                Err(problem) => {
+                    self.assets.diagnostics.error(Fault::Geometry, None, problem);
+                    return;
+                }
+            }
+            first += shapes.len() as u32;
+        }
+        let material = self.default_material();
+        for (group, to_world) in placed {
+            let instance = Instance::new(group, &parts.groups[group.index()], to_world);
+            let geometry = Geometry::Instance(instance);
+            parts.shapes.push(Shape { geometry, material, emitter: None });
+        }
+        parts.top_level_shapes = Some(parts.shapes.len());
+        parts.shapes.extend(grouped_shapes.into_iter().flatten());
+    }
+
+    fn group_of(
+        &mut self,
+        instance: &Parameters<'_>,
+        groups: &mut HashMap<NodeId, Option<GroupId>>,
+        loaded: &mut LoadedShapes<'a>,
+        grouped_shapes: &mut Vec<Vec<Shape>>,
+    ) -> Option<GroupId> {
+        let Some(child) = instance.unnamed_child(Class::Shape) else {
+            instance.error(Fault::MissingParameter, "shapegroup", "an instance needs a shape group");
+            return None;
+        };
+        if let Some(known) = groups.get(&child.node) {
+            return *known;
+        }
+        let parameters = self.parameters(child.node);
+        let group = if parameters.plugin() == "shapegroup" {
+            grouped_shapes.push(self.grouped(&parameters, loaded));
+            Some(GroupId(grouped_shapes.len() as u32 - 1))
+        } else {
+            parameters.error(Fault::BadValue, "shapegroup", "an instance takes a `shapegroup`, no other shape");
+            None
+        };
+        parameters.finish();
+        groups.insert(child.node, group);
+        group
+    }
+
+    fn grouped(&mut self, group: &Parameters<'_>, loaded: &mut LoadedShapes<'a>) -> Vec<Shape> {
+        let mut members = Parts::default();
+        for child in group.children_of(Class::Shape) {
+            match loaded.remove(&child.node) {
+                Some(shape) => self.add_shape(shape, &mut members),
+                None => {
+                    let message = "a shape group holds shapes of its own: no instances or groups, and none twice";
+                    self.assets.diagnostics.error(Fault::Unsupported, child.span, message);
+                }
+            }
+        }
+        if !members.emitters.is_empty() {
+            let message = "shapes of a group cannot emit light";
+            self.assets.diagnostics.error(Fault::Unsupported, group.span(), message);
+        }
+        members.shapes
+    }
+}

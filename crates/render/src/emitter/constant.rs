@@ -1,0 +1,49 @@
+//! `constant`: the same light from everywhere afar.
+
+use super::{DirectionSample, Target};
+use crate::builder::Builder;
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+use etendue_sampling::warp;
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::Vec2;
+use std::f32::consts::PI;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Surrounds the scene with the same radiance from all directions.",
+    parameters: &[parameter("radiance", "spectrum", "1", "Radiance, W·m⁻²·sr⁻¹.")],
+    sample: r#"<emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>"#,
+};
+
+/// Uniform surroundings.
+#[derive(Clone, Debug)]
+pub struct Constant {
+    radiance: Spectrum,
+}
+
+/// Reads uniform surroundings.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Constant> {
+    Some(Constant { radiance: builder.constant_color(parameters, "radiance", 1.0, SpectrumUse::Emission) })
+}
+
+impl Constant {
+    pub(super) fn radiance(&self) -> Spectrum {
+        self.radiance
+    }
+
+    pub(super) fn sample_direction(&self, random: Vec2) -> DirectionSample {
+        DirectionSample {
+            direction: warp::square_to_uniform_sphere(random),
+            radiance: self.radiance,
+            pdf: self.pdf_direction(),
+            delta: false,
+            target: Target::Afar,
+        }
+    }
+
+    pub(super) fn pdf_direction(&self) -> f32 {
+        1.0 / (4.0 * PI)
+    }
+}

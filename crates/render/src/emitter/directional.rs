@@ -1,0 +1,52 @@
+//! `directional`: parallel light from afar.
+
+use super::{DirectionSample, Target};
+use crate::builder::{Builder, read_transform, to_vec3};
+use crate::manual::{Manual, parameter};
+use etendue_document::{Fault, Parameters};
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::{DVec3, Vec3};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Parallel light that travels along `direction`, or along +z of `to_world`.",
+    parameters: &[
+        parameter("irradiance", "spectrum", "1", "Irradiance on a surface that faces the light, W·m⁻²."),
+        parameter("direction", "vector", "", "Where the light travels to."),
+        parameter("to_world", "transform", "", "Its z axis is where the light travels to, unless `direction` is given."),
+    ],
+    sample: r#"<emitter type="directional"><vector name="direction" x="1" y="-2" z="0.5"/></emitter>"#,
+};
+
+/// A directional light.
+#[derive(Clone, Debug)]
+pub struct Directional {
+    /// The unit direction towards the light.
+    towards_light: Vec3,
+    irradiance: Spectrum,
+}
+
+/// Reads a directional light.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Directional> {
+    let irradiance = builder.constant_color(parameters, "irradiance", 1.0, SpectrumUse::Emission);
+    let axis = read_transform(parameters, "to_world")?.vector(Vec3::Z);
+    let travels = parameters.optional_vector("direction").map_or(axis, |v: DVec3| to_vec3(v));
+    let Some(direction) = travels.try_normalize() else {
+        parameters.error(Fault::BadValue, "direction", "the direction has no length");
+        return None;
+    };
+    Some(Directional { towards_light: -direction, irradiance })
+}
+
+impl Directional {
+    pub(super) fn sample_direction(&self) -> DirectionSample {
+        DirectionSample {
+            direction: self.towards_light,
+            radiance: self.irradiance,
+            pdf: 1.0,
+            delta: true,
+            target: Target::Afar,
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! `point`: a point that shines in all directions.
+
+use super::{DirectionSample, Target};
+use crate::builder::{Builder, read_transform, to_vec3};
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::{DVec3, Vec3};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A point that shines the same in all directions.",
+    parameters: &[
+        parameter("intensity", "spectrum", "1", "Radiant intensity, W·sr⁻¹."),
+        parameter("position", "point", "0, 0, 0", "Where it is; `to_world` may say so instead."),
+        parameter("to_world", "transform", "", "Placement of the origin."),
+    ],
+    sample: r#"<emitter type="point"><point name="position" x="0" y="5" z="0"/><rgb name="intensity" value="10"/></emitter>"#,
+};
+
+/// A point light.
+#[derive(Clone, Debug)]
+pub struct Point {
+    position: Vec3,
+    intensity: Spectrum,
+}
+
+/// Reads a point light.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Point> {
+    let intensity = builder.constant_color(parameters, "intensity", 1.0, SpectrumUse::Emission);
+    let origin = read_transform(parameters, "to_world")?.point(Vec3::ZERO);
+    let position = match parameters.has("position") {
+        true => to_vec3(parameters.point("position", DVec3::ZERO)),
+        false => origin,
+    };
+    Some(Point { position, intensity })
+}
+
+impl Point {
+    pub(super) fn sample_direction(&self, reference: Vec3) -> Option<DirectionSample> {
+        point_sample(self.position, self.intensity, reference)
+    }
+}
+
+/// Light of a point with the given intensity towards `reference`.
+pub(super) fn point_sample(
+    position: Vec3,
+    intensity: Spectrum,
+    reference: Vec3,
+) -> Option<DirectionSample> {
+    let path = position - reference;
+    let distance_squared = path.length_squared();
+    let direction = path.try_normalize()?;
+    Some(DirectionSample {
+        direction,
+        radiance: intensity / distance_squared,
+        pdf: 1.0,
+        delta: true,
+        target: Target::Point { point: position, error: Vec3::ZERO, normal: Vec3::ZERO },
+    })
+}

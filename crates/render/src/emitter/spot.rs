@@ -1,0 +1,92 @@
+//! `spot`: a point that shines into a cone.
+
+use super::DirectionSample;
+use super::point::point_sample;
+use crate::builder::{Builder, read_transform};
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, parameter};
+use crate::scene::Scene;
+use crate::texture::{ColorSource, Textures};
+use etendue_document::{Fault, Parameters};
+use etendue_math::{Frame, Transform};
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::{Vec2, Vec3};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A point at the origin that shines along +z into a cone, with a linear falloff in angle \
+              between `beam_width` and `cutoff_angle`; placed by `to_world`.",
+    parameters: &[
+        parameter("intensity", "spectrum", "1", "Radiant intensity within the beam, W·sr⁻¹."),
+        parameter("cutoff_angle", "float", "20", "Beyond this angle from the axis there is no light (degrees)."),
+        parameter("beam_width", "float", "", "Up to this angle there is all of it (degrees); ¾ of `cutoff_angle`."),
+        parameter("texture", "texture", "", "A picture projected into the cone."),
+        parameter("to_world", "transform", "", "Placement."),
+    ],
+    sample: r#"<emitter type="spot"><transform name="to_world"><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, 1"/></transform><float name="cutoff_angle" value="30"/></emitter>"#,
+};
+
+/// A spot light. Angles are in radians.
+#[derive(Clone, Debug)]
+pub struct Spot {
+    to_world: Transform,
+    intensity: Spectrum,
+    texture: ColorSource,
+    cutoff_angle: f32,
+    beam_width: f32,
+}
+
+/// Reads a spot light.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Spot> {
+    let intensity = builder.constant_color(parameters, "intensity", 1.0, SpectrumUse::Emission);
+    let texture = builder.color(parameters, "texture", 1.0, SpectrumUse::Unbounded);
+    let cutoff_angle = parameters.float_in("cutoff_angle", 20.0, 1e-3..90.0);
+    let beam_width = parameters.float_in("beam_width", 0.75 * cutoff_angle, 0.0..=90.0);
+    if beam_width > cutoff_angle {
+        parameters.error(Fault::BadValue, "beam_width", "the beam is wider than the cutoff angle");
+        return None;
+    }
+    Some(Spot {
+        to_world: read_transform(parameters, "to_world")?,
+        intensity,
+        texture,
+        cutoff_angle: cutoff_angle.to_radians() as f32,
+        beam_width: beam_width.to_radians() as f32,
+    })
+}
+
+impl Spot {
+    pub(super) fn sample_direction(&self, scene: &Scene, reference: Vec3) -> Option<DirectionSample> {
+        let local = self.to_world.inverse_point(reference).try_normalize()?;
+        let intensity = self.intensity_towards(scene.textures(), local);
+        if intensity.is_black() {
+            return None;
+        }
+        point_sample(self.to_world.point(Vec3::ZERO), intensity, reference)
+    }
+
+    /// The intensity in a unit direction of the light's own space.
+    fn intensity_towards(&self, textures: Textures<'_>, local: Vec3) -> Spectrum {
+        let angle = local.truncate().length().atan2(local.z);
+        if angle >= self.cutoff_angle {
+            return Spectrum::ZERO;
+        }
+        let falloff = if angle <= self.beam_width {
+            1.0
+        } else {
+            (self.cutoff_angle - angle) / (self.cutoff_angle - self.beam_width)
+        };
+        let texture = match self.texture {
+            ColorSource::Constant(color) => color,
+            ColorSource::Texture(id) => textures.eval(id, &self.picture_point(local)),
+        };
+        self.intensity * texture * falloff
+    }
+
+    /// The place of the picture, which spans the cone, that a direction passes through.
+    fn picture_point(&self, local: Vec3) -> SurfaceInteraction {
+        let uv = local.truncate() / (local.z * self.cutoff_angle.tan()) * 0.5 + 0.5;
+        SurfaceInteraction::at_uv(Vec2::new(uv.x, uv.y), Frame::from_normal(Vec3::Z))
+    }
+}

@@ -1,0 +1,329 @@
+//! The frozen scene: immutable, flat, shared by all threads.
+
+use crate::bsdf::{Bsdf, Material, Materials};
+use crate::emitter::Emitter;
+use crate::film::FilmSpec;
+use crate::ids::{EmitterId, MaterialId, ShapeId};
+use crate::interaction::SurfaceInteraction;
+use crate::sensor::Sensor;
+use crate::shape::shapegroup::Group;
+use crate::shape::{Geometry, Shape};
+use crate::texture::{Texture, Textures};
+use etendue_bvh::{BuildOptions, Bvh, GeometryView, PrimitiveHit, Primitives, TriangleMeshView};
+use etendue_document::{Diagnostics, Fault, NodeId};
+use etendue_math::{Bounds3, Ray};
+use etendue_sampling::SamplerSpec;
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A camera with its film and its random numbers.
+#[derive(Clone, Debug)]
+pub struct SensorSetup {
+    /// The name that the scene file gives it.
+    pub id: Option<String>,
+    /// The camera.
+    pub sensor: Sensor,
+    /// What it records on.
+    pub film: FilmSpec,
+    /// Where its random numbers come from, and how many samples a pixel gets.
+    pub sampler: SamplerSpec,
+}
+
+/// What a scene is put together from.
+#[derive(Debug, Default)]
+pub(crate) struct Parts {
+    pub(crate) shapes: Vec<Shape>,
+    /// How many shapes, from the first, stand in the scene rather than in groups; all where `None`.
+    pub(crate) top_level_shapes: Option<usize>,
+    pub(crate) groups: Vec<Group>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
+    pub(crate) emitters: Vec<Emitter>,
+    pub(crate) sensors: Vec<SensorSetup>,
+    pub(crate) integrator: Option<NodeId>,
+    pub(crate) hash: [u8; 32],
+}
+
+/// Everything that light meets.
+#[derive(Debug)]
+pub struct Scene {
+    bvh: Bvh,
+    shapes: Vec<Shape>,
+    groups: Vec<Group>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    emitters: Vec<Emitter>,
+    environments: Vec<EmitterId>,
+    sensors: Vec<SensorSetup>,
+    integrator: Option<NodeId>,
+    hash: [u8; 32],
+}
+
+/// What a scene consists of, for people to read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneStatistics {
+    /// Shapes, instances included, those within groups once.
+    pub shapes: usize,
+    /// Triangles, those within groups once.
+    pub triangles: usize,
+    /// Instances of shape groups.
+    pub instances: usize,
+    /// Materials.
+    pub materials: usize,
+    /// Textures.
+    pub textures: usize,
+    /// Emitters by kind.
+    pub emitters: BTreeMap<&'static str, usize>,
+    /// Bytes held by meshes.
+    pub mesh_bytes: usize,
+    /// Bytes held by the trees over them.
+    pub tree_bytes: usize,
+    /// Bytes held by textures.
+    pub texture_bytes: usize,
+}
+
+/// A light chosen for next-event estimation.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterChoice {
+    /// Which.
+    pub emitter: EmitterId,
+    /// The probability of having chosen it.
+    pub probability: f32,
+}
+
+/// The tree over shapes; `groups` are what instances among them place.
+pub(crate) fn build_tree(shapes: &[Shape], groups: &[Group]) -> Result<Bvh, String> {
+    let boxes: Vec<Bounds3> = shapes.iter().map(Shape::bounds).collect();
+    let views: Vec<GeometryView<'_>> = shapes
+        .iter()
+        .zip(&boxes)
+        .map(|(shape, bounds)| match &shape.geometry {
+            Geometry::Mesh(mesh) => GeometryView::Triangles(TriangleMeshView {
+                positions: mesh.positions(),
+                indices: mesh.triangles(),
+            }),
+            Geometry::Instance(instance) => GeometryView::Instance {
+                group: Arc::clone(&groups[instance.group.index()].bvh),
+                to_world: instance.to_world.affine(),
+            },
+            Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {
+                GeometryView::User(std::slice::from_ref(bounds))
+            }
+        })
+        .collect();
+    Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())
+}
+
+impl Scene {
+    pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
+        let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
+        let bvh = match build_tree(&parts.shapes[..top_level], &parts.groups) {
+            Ok(bvh) => bvh,
+            Err(problem) => {
+                diagnostics.error(Fault::Geometry, None, problem);
+                return None;
+            }
+        };
+        let environments = (0_u32..)
+            .zip(&parts.emitters)
+            .filter(|(_, emitter)| emitter.is_environment())
+            .map(|(index, _)| EmitterId(index))
+            .collect();
+        Some(Self {
+            bvh,
+            shapes: parts.shapes,
+            groups: parts.groups,
+            materials: parts.materials,
+            textures: parts.textures,
+            emitters: parts.emitters,
+            environments,
+            sensors: parts.sensors,
+            integrator: parts.integrator,
+            hash: parts.hash,
+        })
+    }
+
+    /// What `ray` hits first.
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<SurfaceInteraction> {
+        let hit = self.bvh.intersect(ray, self)?;
+        if hit.instance != u32::MAX {
+            return Some(self.instance_interaction(ray, &hit));
+        }
+        let id = ShapeId(hit.geometry);
+        Some(self.shapes[id.index()].interaction(id, ray, &hit))
+    }
+
+    fn instance_interaction(&self, ray: &Ray, hit: &etendue_bvh::Hit) -> SurfaceInteraction {
+        let placed = ShapeId(hit.instance);
+        let Geometry::Instance(instance) = &self.shapes[placed.index()].geometry else {
+            unreachable!("the tree reports instances for instance shapes only");
+        };
+        let group = &self.groups[instance.group.index()];
+        let id = ShapeId(group.first_shape.0 + hit.geometry);
+        let local_ray = instance.to_world.inverse().ray(ray);
+        let local = self.shapes[id.index()].interaction(id, &local_ray, hit);
+        SurfaceInteraction { instance: Some(placed), ..instance.place(local, ray.direction) }
+    }
+
+    /// Whether anything lies on `ray`.
+    #[inline]
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.bvh.occluded(ray, self)
+    }
+
+    /// The material of a hit, resolved: reads its textures.
+    #[inline]
+    #[must_use]
+    pub fn prepare_bsdf(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
+        self.materials().prepare(self.shape(surface.shape).material, self.textures(), surface)
+    }
+
+    /// A shape.
+    #[inline]
+    #[must_use]
+    pub fn shape(&self, id: ShapeId) -> &Shape {
+        &self.shapes[id.index()]
+    }
+
+    /// All materials.
+    #[inline]
+    #[must_use]
+    pub fn materials(&self) -> Materials<'_> {
+        Materials { materials: &self.materials }
+    }
+
+    /// All textures.
+    #[inline]
+    #[must_use]
+    pub fn textures(&self) -> Textures<'_> {
+        Textures(&self.textures)
+    }
+
+    /// An emitter.
+    #[inline]
+    #[must_use]
+    pub fn emitter(&self, id: EmitterId) -> &Emitter {
+        &self.emitters[id.index()]
+    }
+
+    /// The emitter of the shape that was hit.
+    #[inline]
+    #[must_use]
+    pub fn emitter_of(&self, surface: &SurfaceInteraction) -> Option<EmitterId> {
+        self.shapes[surface.shape.index()].emitter
+    }
+
+    /// The emitters that rays find when they leave the scene.
+    #[inline]
+    #[must_use]
+    pub fn environments(&self) -> &[EmitterId] {
+        &self.environments
+    }
+
+    /// Chooses an emitter, all alike; the random number is stretched for use again.
+    #[inline]
+    #[must_use]
+    pub fn choose_emitter(&self, random: &mut f32) -> Option<EmitterChoice> {
+        let count = self.emitters.len();
+        if count == 0 {
+            return None;
+        }
+        let scaled = *random * count as f32;
+        let index = (scaled as usize).min(count - 1);
+        *random = (scaled - index as f32).min(1.0 - f32::EPSILON);
+        Some(EmitterChoice { emitter: EmitterId(index as u32), probability: 1.0 / count as f32 })
+    }
+
+    /// The probability with which [`Self::choose_emitter`] chooses `emitter`.
+    #[inline]
+    #[must_use]
+    pub fn emitter_probability(&self, emitter: EmitterId) -> f32 {
+        debug_assert!(emitter.index() < self.emitters.len());
+        1.0 / self.emitters.len() as f32
+    }
+
+    /// The cameras, in the order of the file.
+    #[must_use]
+    pub fn sensors(&self) -> &[SensorSetup] {
+        &self.sensors
+    }
+
+    /// The document node that says how light is computed, if the file has one.
+    #[must_use]
+    pub fn integrator(&self) -> Option<NodeId> {
+        self.integrator
+    }
+
+    /// The box around everything.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        self.bvh.bounds()
+    }
+
+    /// The hash of everything that the scene was built from: its texts and all files they name.
+    #[must_use]
+    pub fn content_hash(&self) -> [u8; 32] {
+        self.hash
+    }
+
+    /// What the scene consists of.
+    #[must_use]
+    pub fn statistics(&self) -> SceneStatistics {
+        let mut statistics = SceneStatistics {
+            shapes: self.shapes.len(),
+            materials: self.materials.len(),
+            textures: self.textures.len(),
+            tree_bytes: self.bvh.memory_bytes()
+                + self.groups.iter().map(|group| group.bvh.memory_bytes()).sum::<usize>(),
+            texture_bytes: self.textures.iter().map(Texture::memory_bytes).sum(),
+            ..SceneStatistics::default()
+        };
+        for shape in &self.shapes {
+            match &shape.geometry {
+                Geometry::Mesh(mesh) => {
+                    statistics.triangles += mesh.triangles().len();
+                    statistics.mesh_bytes += mesh.memory_bytes();
+                }
+                Geometry::Instance(_) => statistics.instances += 1,
+                Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {}
+            }
+        }
+        for emitter in &self.emitters {
+            *statistics.emitters.entry(emitter.kind()).or_default() += 1;
+        }
+        statistics
+    }
+
+    /// The nearest hit with one of the analytic shapes.
+    fn intersect_shape(&self, id: ShapeId, ray: &Ray) -> Option<PrimitiveHit> {
+        let (t, local) = match &self.shapes[id.index()].geometry {
+            Geometry::Sphere(sphere) => (sphere.intersect(ray)?, Vec2::ZERO),
+            Geometry::Disk(disk) => disk.intersect(ray)?,
+            Geometry::Cylinder(cylinder) => cylinder.intersect(ray)?,
+            Geometry::Mesh(_) | Geometry::Instance(_) => return None,
+        };
+        Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+}
+
+impl Primitives for Scene {
+    fn intersect(&self, geometry: u32, _: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        self.intersect_shape(ShapeId(geometry), ray)
+    }
+
+    fn intersect_in(&self, instance: u32, geometry: u32, _: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let Geometry::Instance(instance) = &self.shapes[instance as usize].geometry else {
+            return None;
+        };
+        let first = self.groups[instance.group.index()].first_shape;
+        self.intersect_shape(ShapeId(first.0 + geometry), ray)
+    }
+
+    fn occludes_in(&self, instance: u32, geometry: u32, primitive: u32, ray: &Ray) -> bool {
+        self.intersect_in(instance, geometry, primitive, ray).is_some()
+    }
+}

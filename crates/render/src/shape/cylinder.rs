@@ -1,0 +1,142 @@
+//! `cylinder`: a tube without caps.
+
+use super::{ShapeSample, SurfacePoint};
+use crate::builder::read_transform;
+use crate::manual::{Manual, parameter};
+use etendue_document::{Fault, Parameters};
+use etendue_math::polynomial::quadratic_roots;
+use etendue_math::{Bounds3, Frame, Ray, rounding_error_bound};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
+use std::f32::consts::TAU;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A cylinder between two points, open at both ends.",
+    parameters: &[
+        parameter("p0", "point", "0, 0, 0", "The middle of one end, before `to_world`."),
+        parameter("p1", "point", "0, 0, 1", "The middle of the other end, before `to_world`."),
+        parameter("radius", "float", "1", "The radius, before `to_world`."),
+        parameter("flip_normals", "boolean", "false", "Let the normals point inwards."),
+        parameter("to_world", "transform", "", "Placement; it must not scale unequally."),
+    ],
+    sample: r#"<shape type="cylinder"><point name="p1" x="0" y="2" z="0"/><float name="radius" value="0.3"/></shape>"#,
+};
+
+/// A cylinder in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Cylinder {
+    /// World to the cylinder's own space, where it is x² + y² = 1 for z in [0, 1].
+    to_local: DAffine3,
+    to_world: DAffine3,
+    radius: f64,
+    length: f64,
+    flip_normals: bool,
+}
+
+/// Reads a cylinder.
+#[must_use]
+pub fn build(parameters: &Parameters<'_>) -> Option<Cylinder> {
+    let p0 = parameters.point("p0", DVec3::ZERO);
+    let p1 = parameters.point("p1", DVec3::Z);
+    let radius = parameters.float_in("radius", 1.0, f64::MIN_POSITIVE..=f64::from(f32::MAX));
+    let flip_normals = parameters.boolean("flip_normals", false);
+    read_transform(parameters, "to_world")?;
+    let to_world = parameters.transform("to_world");
+    let axis = to_world.transform_vector3(p1 - p0);
+    let length = axis.length();
+    let scale = DMat3::from_mat4(to_world).determinant().abs().cbrt();
+    let own = Frame::from_normal(axis.as_vec3().normalize_or(Vec3::Z));
+    let unscaled = |v: Vec3| to_world.inverse().transform_vector3(v.as_dvec3()).length() * scale;
+    if !(length > 0.0) || (unscaled(own.s) - 1.0).abs() > 1e-3 || (unscaled(own.t) - 1.0).abs() > 1e-3 {
+        parameters.error(
+            Fault::BadValue,
+            "to_world",
+            "a cylinder needs two distinct points and cannot be sheared or scaled unequally",
+        );
+        return None;
+    }
+    let (radius, n) = (radius * scale, axis / length);
+    let s = (own.s.as_dvec3() - n * n.dot(own.s.as_dvec3())).normalize();
+    let to_world = DAffine3::from_mat3_translation(
+        DMat3::from_cols(s * radius, n.cross(s) * radius, axis),
+        to_world.transform_point3(p0),
+    );
+    Some(Cylinder { to_local: to_world.inverse(), to_world, radius, length, flip_normals })
+}
+
+impl Cylinder {
+    /// The distance at which the ray first meets the surface, and the azimuth over 2π and height
+    /// over the length there.
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<(f32, Vec2)> {
+        let origin = self.to_local.transform_point3(ray.origin.as_dvec3());
+        let direction = self.to_local.transform_vector3(ray.direction.as_dvec3());
+        let a = direction.truncate().length_squared();
+        let b = 2.0 * origin.truncate().dot(direction.truncate());
+        let (low, high) = quadratic_roots(a, b, origin.truncate().length_squared() - 1.0)?;
+        [low, high].into_iter().find_map(|t| {
+            let local = origin + direction * t;
+            let rounded = t as f32;
+            let inside = rounded > 0.0 && rounded < ray.t_max && (0.0..=1.0).contains(&local.z);
+            inside.then(|| {
+                let azimuth = local.y.atan2(local.x) / std::f64::consts::TAU;
+                let azimuth = if azimuth < 0.0 { azimuth + 1.0 } else { azimuth };
+                (rounded, Vec2::new(azimuth as f32, local.z as f32))
+            })
+        })
+    }
+
+    /// The surface at `uv`.
+    #[must_use]
+    pub fn surface_point(&self, uv: Vec2) -> SurfacePoint {
+        let (sin, cos) = (f64::from(uv.x) * std::f64::consts::TAU).sin_cos();
+        let point = self.to_world.transform_point3(DVec3::new(cos, sin, f64::from(uv.y))).as_vec3();
+        let outwards = self.to_world.transform_vector3(DVec3::new(cos, sin, 0.0)).as_vec3().normalize_or(Vec3::Z);
+        let normal = if self.flip_normals { -outwards } else { outwards };
+        SurfacePoint {
+            point,
+            // The azimuth is single precision, which moves the point along the surface; off the
+            // surface only the last rounding counts.
+            error: point.abs() * rounding_error_bound(3) + Vec3::splat((self.radius * 1e-12) as f32),
+            normal,
+            shading_normal: normal,
+            uv,
+            dp_du: self.to_world.transform_vector3(DVec3::new(-sin, cos, 0.0)).as_vec3() * TAU,
+            dp_dv: self.to_world.transform_vector3(DVec3::Z).as_vec3(),
+        }
+    }
+
+    /// The box around the cylinder, rounded outwards.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        let axes = self.to_world.matrix3;
+        // A circle of radius vectors a and b reaches √(aᵢ² + bᵢ²) along each axis i.
+        let reach = (axes.x_axis * axes.x_axis + axes.y_axis * axes.y_axis).map(f64::sqrt);
+        let ends = [self.to_world.translation, self.to_world.translation + axes.z_axis];
+        let bounds = Bounds3::from_points(
+            ends.into_iter().flat_map(|end| [end - reach, end + reach]).map(|p| p.as_vec3()),
+        );
+        Bounds3::new(bounds.min.map(f32::next_down), bounds.max.map(f32::next_up))
+    }
+
+    /// The surface's area.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        (std::f64::consts::TAU * self.radius * self.length) as f32
+    }
+
+    /// A point uniform in area.
+    #[must_use]
+    pub fn sample_area(&self, random: Vec2) -> ShapeSample {
+        let surface = self.surface_point(random);
+        ShapeSample {
+            point: surface.point,
+            error: surface.error,
+            normal: surface.normal,
+            shading_normal: surface.normal,
+            uv: surface.uv,
+            pdf: 1.0 / self.area(),
+        }
+    }
+}

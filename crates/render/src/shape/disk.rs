@@ -1,0 +1,107 @@
+//! `disk`: flat and round.
+
+use super::{ShapeSample, SurfacePoint};
+use crate::builder::read_transform;
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+use etendue_math::{Bounds3, Ray, Transform, rounding_error_bound};
+use etendue_sampling::warp;
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A disk of radius 1 around the origin in the plane z = 0, facing +z, placed by `to_world`.",
+    parameters: &[
+        parameter("flip_normals", "boolean", "false", "Let the normal point the other way."),
+        parameter("to_world", "transform", "", "Placement."),
+    ],
+    sample: r#"<shape type="disk"><transform name="to_world"><scale value="2"/></transform></shape>"#,
+};
+
+/// A disk in world space: an ellipse where `to_world` scales unequally.
+#[derive(Clone, Copy, Debug)]
+pub struct Disk {
+    to_world: Transform,
+    normal: Vec3,
+    area: f32,
+}
+
+/// Reads a disk.
+#[must_use]
+pub fn build(parameters: &Parameters<'_>) -> Option<Disk> {
+    let flip_normals = parameters.boolean("flip_normals", false);
+    Some(Disk::new(read_transform(parameters, "to_world")?, flip_normals))
+}
+
+impl Disk {
+    fn new(to_world: Transform, flip_normals: bool) -> Self {
+        let across = to_world.vector(Vec3::X).cross(to_world.vector(Vec3::Y));
+        let normal = to_world.normal(Vec3::Z).normalize_or(Vec3::Z);
+        let normal = if flip_normals { -normal } else { normal };
+        Self { to_world, normal, area: PI * across.length() }
+    }
+
+    /// The distance at which the ray meets the disk, and the disk's x and y there.
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<(f32, Vec2)> {
+        let origin = self.to_world.inverse_point(ray.origin);
+        let direction = self.to_world.inverse_vector(ray.direction);
+        let t = -origin.z / direction.z;
+        let local = (origin + direction * t).truncate();
+        // A NaN from a ray within the plane fails the comparisons.
+        (t > 0.0 && t < ray.t_max && local.length_squared() <= 1.0).then_some((t, local))
+    }
+
+    /// The surface at the disk's `local` x and y.
+    #[must_use]
+    pub fn surface_point(&self, local: Vec2) -> SurfacePoint {
+        let matrix = self.to_world.affine();
+        let terms = [
+            Vec3::from(matrix.matrix3.x_axis) * local.x,
+            Vec3::from(matrix.matrix3.y_axis) * local.y,
+            Vec3::from(matrix.translation),
+        ];
+        let radius = local.length();
+        let azimuth = local.y.atan2(local.x);
+        let azimuth = if azimuth < 0.0 { azimuth + TAU } else { azimuth };
+        let radial = if radius > 0.0 { local / radius } else { Vec2::X };
+        SurfacePoint {
+            point: terms[0] + terms[1] + terms[2],
+            error: terms.iter().map(|term| term.abs()).sum::<Vec3>() * rounding_error_bound(7),
+            normal: self.normal,
+            shading_normal: self.normal,
+            uv: Vec2::new(radius, azimuth / TAU),
+            dp_du: self.to_world.vector(radial.extend(0.0)),
+            dp_dv: self.to_world.vector(radial.perp().extend(0.0)) * (TAU * radius),
+        }
+    }
+
+    /// The box around the disk.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        let square = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
+        Bounds3::from_points(square.map(|(x, y)| self.to_world.point(Vec3::new(x, y, 0.0))))
+    }
+
+    /// The area of the front.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// A point uniform in area.
+    #[must_use]
+    pub fn sample_area(&self, random: Vec2) -> ShapeSample {
+        let surface = self.surface_point(warp::square_to_uniform_disk_concentric(random));
+        ShapeSample {
+            point: surface.point,
+            error: surface.error,
+            normal: surface.normal,
+            shading_normal: surface.normal,
+            uv: surface.uv,
+            pdf: 1.0 / self.area,
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! Triangle meshes: what `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface` become.
+
+use super::{ShapeSample, SurfacePoint};
+use etendue_document::Parameters;
+use etendue_math::{Bounds3, Transform, coordinate_system, rounding_error_bound};
+use etendue_mesh::{Attribute, TriangleMesh};
+use etendue_sampling::AliasTable;
+use glam::{Vec2, Vec3};
+
+/// A mesh placed in the world, with what sampling points on it needs.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    positions: Vec<Vec3>,
+    /// Per vertex, unit; empty where the mesh is faceted.
+    normals: Vec<Vec3>,
+    /// Per vertex; empty where there are none.
+    uvs: Vec<Vec2>,
+    indices: Vec<[u32; 3]>,
+    attributes: Vec<Attribute>,
+    /// 1 where the front of a triangle shows its vertices counterclockwise, −1 where clockwise.
+    orientation: f32,
+    area: f32,
+    /// Only of meshes that emit light: how points are chosen.
+    sampling: Option<AreaSampling>,
+}
+
+/// How points uniform in area are chosen.
+#[derive(Clone, Debug)]
+enum AreaSampling {
+    /// A triangle by its area, then a point in it.
+    Triangles(AliasTable),
+    /// The two triangles are a parallelogram: one smooth map, which keeps well-spread random
+    /// numbers well spread.
+    Parallelogram,
+}
+
+/// What the parameters common to all meshes ask for.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshOptions {
+    /// Where the mesh stands.
+    pub to_world: Transform,
+    /// Ignore vertex normals.
+    pub face_normals: bool,
+    /// Turn front and back around.
+    pub flip_normals: bool,
+    /// Edges sharper than this many degrees get separate normals on their two sides.
+    pub max_smooth_angle: Option<f32>,
+    /// Whether a mesh without normals gets smooth ones.
+    pub compute_normals: bool,
+}
+
+impl MeshOptions {
+    /// A placement and an orientation, for meshes that bring their own normals.
+    #[must_use]
+    pub fn placement(to_world: Transform, flip_normals: bool) -> Self {
+        Self {
+            to_world,
+            face_normals: false,
+            flip_normals,
+            max_smooth_angle: None,
+            compute_normals: false,
+        }
+    }
+
+    /// Reads the parameters; `None` after reporting a transform that has no inverse.
+    #[must_use]
+    pub fn read(parameters: &Parameters<'_>) -> Option<Self> {
+        let face_normals = parameters.boolean("face_normals", false);
+        let flip_normals = parameters.boolean("flip_normals", false);
+        let max_smooth_angle = parameters.optional_float("max_smooth_angle").map(|angle| angle as f32);
+        let to_world = crate::builder::read_transform(parameters, "to_world")?;
+        let compute_normals = !face_normals;
+        Some(Self { to_world, face_normals, flip_normals, max_smooth_angle, compute_normals })
+    }
+}
+
+impl Mesh {
+    /// Places a mesh in the world.
+    ///
+    /// Where the file has normals they decide what is front, and a mirrored mesh keeps its front
+    /// outside. Where they are computed, the winding in the world decides, as in Mitsuba: a mirrored
+    /// mesh then has its front inside.
+    #[must_use]
+    pub fn new(mut mesh: TriangleMesh, options: &MeshOptions) -> Self {
+        if options.face_normals {
+            mesh.normals = Vec::new();
+        }
+        let to_world = &options.to_world;
+        let mirrored = to_world.flips_handedness() && !mesh.normals.is_empty();
+        if *to_world != Transform::IDENTITY {
+            mesh.positions.iter_mut().for_each(|position| *position = to_world.point(*position));
+            mesh.normals.iter_mut().for_each(|normal| *normal = to_world.normal(*normal));
+        }
+        if let (Some(angle), false) = (options.max_smooth_angle, options.face_normals) {
+            mesh.split_sharp_edges(angle);
+        } else if options.compute_normals && mesh.normals.is_empty() {
+            mesh.compute_vertex_normals();
+        }
+        let sign = if options.flip_normals { -1.0 } else { 1.0 };
+        for normal in &mut mesh.normals {
+            *normal = normal.normalize_or_zero() * sign;
+        }
+        let mut placed = Self {
+            orientation: if mirrored { -sign } else { sign },
+            positions: mesh.positions,
+            normals: mesh.normals,
+            uvs: mesh.uvs,
+            indices: mesh.indices,
+            attributes: mesh.attributes,
+            area: 0.0,
+            sampling: None,
+        };
+        placed.area = placed.triangle_areas().map(f64::from).sum::<f64>() as f32;
+        placed
+    }
+
+    /// Makes the mesh ready to be a light.
+    pub fn prepare_sampling(&mut self) {
+        if self.is_parallelogram() {
+            self.sampling = Some(AreaSampling::Parallelogram);
+            return;
+        }
+        let areas: Vec<f32> = self.triangle_areas().collect();
+        self.sampling = AliasTable::new(&areas).ok().map(AreaSampling::Triangles);
+    }
+
+    /// Two triangles (a, b, c) and (a, c, a + c − b).
+    fn is_parallelogram(&self) -> bool {
+        let [first, second] = self.indices.as_slice() else { return false };
+        if first[0] != second[0] || first[2] != second[1] {
+            return false;
+        }
+        let [a, b, c] = self.corners(0);
+        let d = self.positions[second[2] as usize];
+        (a + c - b - d).abs().max_element() <= 1e-5 * (c - a).abs().max_element()
+    }
+
+    fn triangle_areas(&self) -> impl Iterator<Item = f32> + '_ {
+        (0..self.indices.len()).map(|triangle| {
+            let [a, b, c] = self.corners(triangle);
+            0.5 * (b - a).cross(c - a).length()
+        })
+    }
+
+    #[inline]
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.indices[triangle].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// The vertices' positions.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// The vertices of each triangle.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.indices
+    }
+
+    /// Further quantities that vary over the mesh.
+    #[must_use]
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+
+    /// The box around the mesh.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        Bounds3::from_points(self.positions.iter().copied())
+    }
+
+    /// The sum of the triangles' areas.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// Bytes of memory held.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.positions.as_slice())
+            + size_of_val(self.normals.as_slice())
+            + size_of_val(self.uvs.as_slice())
+            + size_of_val(self.indices.as_slice())
+            + self.attributes.iter().map(|a| size_of_val(a.values.as_slice())).sum::<usize>()
+    }
+
+    /// The surface at barycentric coordinates `barycentric` of the second and third vertex.
+    ///
+    /// The error bound is that of interpolating three vertices by weights that sum to one: γ₇ times
+    /// the sum of the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5).
+    #[inline]
+    #[must_use]
+    pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
+        let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
+        let [a, b, c] = vertices.map(|vertex| self.positions[vertex]);
+        let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
+        let terms = [a * weights[0], b * weights[1], c * weights[2]];
+        let magnitude = terms[0].abs() + terms[1].abs() + terms[2].abs();
+        let (edge_1, edge_2) = (b - a, c - a);
+        let normal = edge_1.cross(edge_2).normalize_or(Vec3::Z) * self.orientation;
+        let (uv, tangents) = self.parametrization(vertices, barycentric, [edge_1, edge_2]);
+        let (dp_du, dp_dv) = tangents.unwrap_or_else(|| coordinate_system(normal));
+        SurfacePoint {
+            point: terms[0] + terms[1] + terms[2],
+            error: magnitude * rounding_error_bound(7),
+            normal,
+            shading_normal: self.shading_normal(vertices, weights).unwrap_or(normal),
+            uv,
+            dp_du,
+            dp_dv,
+        }
+    }
+
+    #[inline]
+    fn shading_normal(&self, vertices: [usize; 3], weights: [f32; 3]) -> Option<Vec3> {
+        if self.normals.is_empty() {
+            return None;
+        }
+        let [a, b, c] = vertices.map(|vertex| self.normals[vertex]);
+        (a * weights[0] + b * weights[1] + c * weights[2]).try_normalize()
+    }
+
+    /// The surface coordinates, and the position's derivatives by them where they are independent.
+    #[inline]
+    fn parametrization(
+        &self,
+        vertices: [usize; 3],
+        barycentric: Vec2,
+        edges: [Vec3; 2],
+    ) -> (Vec2, Option<(Vec3, Vec3)>) {
+        if self.uvs.is_empty() {
+            return (barycentric, None);
+        }
+        let [a, b, c] = vertices.map(|vertex| self.uvs[vertex]);
+        let (uv_1, uv_2) = (b - a, c - a);
+        let uv = a + uv_1 * barycentric.x + uv_2 * barycentric.y;
+        let determinant = uv_1.perp_dot(uv_2);
+        if determinant == 0.0 {
+            return (uv, None);
+        }
+        let inverse = 1.0 / determinant;
+        let dp_du = (edges[0] * uv_2.y - edges[1] * uv_1.y) * inverse;
+        let dp_dv = (edges[1] * uv_1.x - edges[0] * uv_2.x) * inverse;
+        (uv, (dp_du.is_finite() && dp_dv.is_finite()).then_some((dp_du, dp_dv)))
+    }
+
+    /// A point uniform in area; `None` where the mesh has none or was not made ready.
+    #[must_use]
+    pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        let (triangle, barycentric) = match self.sampling.as_ref()? {
+            AreaSampling::Parallelogram => unfold_parallelogram(random),
+            AreaSampling::Triangles(table) => {
+                let choice = table.sample(random.x);
+                let [_, b, c] = triangle_barycentric(Vec2::new(choice.remapped, random.y));
+                (choice.index, Vec2::new(b, c))
+            }
+        };
+        let surface = self.surface_point(triangle, barycentric);
+        Some(ShapeSample {
+            point: surface.point,
+            error: surface.error,
+            normal: surface.normal,
+            shading_normal: surface.shading_normal,
+            uv: surface.uv,
+            pdf: 1.0 / self.area,
+        })
+    }
+}
+
+/// Triangle and barycentric coordinates of the point a + u·(b − a) + v·(d − a) of the parallelogram
+/// (a, b, c, d), which is cut along the diagonal from a to c.
+fn unfold_parallelogram(random: Vec2) -> (u32, Vec2) {
+    let Vec2 { x: u, y: v } = random;
+    // c − a = (b − a) + (d − a).
+    if u >= v { (0, Vec2::new(u - v, v)) } else { (1, Vec2::new(u, v - u)) }
+}
+
+/// Barycentric coordinates of a point uniform in a triangle, by a continuous map of the square that
+/// keeps areas (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
+fn triangle_barycentric(random: Vec2) -> [f32; 3] {
+    let (b0, b1) = if random.x < random.y {
+        let b0 = 0.5 * random.x;
+        (b0, random.y - b0)
+    } else {
+        let b1 = 0.5 * random.y;
+        (random.x - b1, b1)
+    };
+    [1.0 - b0 - b1, b0, b1]
+}

@@ -1,0 +1,225 @@
+//! Shapes: what rays hit.
+//!
+//! # Contract
+//! - Geometry is in world space, but for the shapes of a group, which are in the group's space.
+//! - `u` and `v`, and the side that is the front (where the geometric normal points), are Mitsuba's.
+//! - A hit carries barycentric coordinates, or whatever two numbers its shape needs to give a
+//!   [`SurfaceInteraction`]; that is computed once, for the nearest hit only.
+//! - Sampled points are uniform in area unless a shape can do better seen from a point.
+
+pub mod cube;
+pub mod cylinder;
+pub mod disk;
+pub mod instance;
+pub mod mesh;
+pub mod obj;
+pub mod ply;
+pub mod profile;
+pub mod rectangle;
+pub mod revsurface;
+pub mod serialized;
+pub mod shapegroup;
+pub mod sphere;
+
+use crate::ids::{EmitterId, MaterialId, ShapeId};
+use crate::interaction::SurfaceInteraction;
+use etendue_bvh::Hit;
+use etendue_math::{Bounds3, Frame, Ray};
+use glam::{Vec2, Vec3};
+
+/// A shape of the scene with what it is made of.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Where it is.
+    pub geometry: Geometry,
+    /// How it scatters light.
+    pub material: MaterialId,
+    /// The light it sends out.
+    pub emitter: Option<EmitterId>,
+}
+
+/// The kinds of geometry.
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// Triangles.
+    Mesh(mesh::Mesh),
+    /// A sphere.
+    Sphere(sphere::Sphere),
+    /// A flat disk.
+    Disk(disk::Disk),
+    /// A cylinder without caps.
+    Cylinder(cylinder::Cylinder),
+    /// A shape group placed in the scene.
+    Instance(instance::Instance),
+}
+
+/// Where on a surface a ray arrives, before the frame and coordinates that the caller may not need.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// The point.
+    pub point: Vec3,
+    /// A bound of the absolute error of each coordinate of `point`.
+    pub error: Vec3,
+    /// The unit geometric normal.
+    pub normal: Vec3,
+    /// The shading normal: unit, or the geometric one.
+    pub shading_normal: Vec3,
+    /// Surface coordinates.
+    pub uv: Vec2,
+    /// ∂point/∂u.
+    pub dp_du: Vec3,
+    /// ∂point/∂v.
+    pub dp_dv: Vec3,
+}
+
+/// A point sampled on a shape, for light.
+#[derive(Clone, Copy, Debug)]
+pub struct ShapeSample {
+    /// The point.
+    pub point: Vec3,
+    /// A bound of the absolute error of each coordinate of `point`.
+    pub error: Vec3,
+    /// The unit geometric normal.
+    pub normal: Vec3,
+    /// The shading normal, which decides which side sends out light.
+    pub shading_normal: Vec3,
+    /// Surface coordinates.
+    pub uv: Vec2,
+    /// The density: by area from [`Shape::sample_area`], in solid angle from [`Shape::sample_direction`].
+    pub pdf: f32,
+}
+
+impl ShapeSample {
+    /// The same point with its density per area turned into one per solid angle seen from
+    /// `reference`; `None` where the surface is seen edge-on or the points coincide.
+    #[inline]
+    #[must_use]
+    pub fn seen_from(self, reference: Vec3) -> Option<Self> {
+        let pdf = area_to_solid_angle(self.pdf, self.point - reference, self.normal)?;
+        Some(Self { pdf, ..self })
+    }
+}
+
+/// Turns a density per area at the end of `path`, on a surface with the unit `normal`, into one per
+/// solid angle at its start; `None` where it is not finite.
+#[inline]
+#[must_use]
+pub fn area_to_solid_angle(pdf: f32, path: Vec3, normal: Vec3) -> Option<f32> {
+    let distance_squared = path.length_squared();
+    // |cos θ| · distance = |path · normal|.
+    let pdf = pdf * distance_squared * distance_squared.sqrt() / path.dot(normal).abs();
+    (pdf.is_finite() && pdf > 0.0).then_some(pdf)
+}
+
+impl Shape {
+    /// Everything that is known where `ray` has met this shape.
+    #[inline]
+    #[must_use]
+    pub fn interaction(&self, id: ShapeId, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        let surface = match &self.geometry {
+            Geometry::Mesh(mesh) => mesh.surface_point(hit.primitive, Vec2::new(hit.u, hit.v)),
+            Geometry::Sphere(sphere) => sphere.surface_point(ray, hit.t),
+            Geometry::Disk(disk) => disk.surface_point(Vec2::new(hit.u, hit.v)),
+            Geometry::Cylinder(cylinder) => cylinder.surface_point(Vec2::new(hit.u, hit.v)),
+            Geometry::Instance(_) => SurfacePoint::NOWHERE,
+        };
+        let shading = Frame::from_normal_and_tangent(surface.shading_normal, surface.dp_du);
+        SurfaceInteraction {
+            point: surface.point,
+            error: surface.error,
+            t: hit.t,
+            normal: surface.normal,
+            shading,
+            uv: surface.uv,
+            dp_du: surface.dp_du,
+            dp_dv: surface.dp_dv,
+            wi: shading.to_local(-ray.direction),
+            shape: id,
+            primitive: hit.primitive,
+            barycentric: Vec2::new(hit.u, hit.v),
+            instance: None,
+        }
+    }
+
+    /// The box around the shape.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        match &self.geometry {
+            Geometry::Mesh(mesh) => mesh.bounds(),
+            Geometry::Sphere(sphere) => sphere.bounds(),
+            Geometry::Disk(disk) => disk.bounds(),
+            Geometry::Cylinder(cylinder) => cylinder.bounds(),
+            Geometry::Instance(instance) => instance.bounds(),
+        }
+    }
+
+    /// The area of the surface; zero for an instance, which cannot be a light.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        match &self.geometry {
+            Geometry::Mesh(mesh) => mesh.area(),
+            Geometry::Sphere(sphere) => sphere.area(),
+            Geometry::Disk(disk) => disk.area(),
+            Geometry::Cylinder(cylinder) => cylinder.area(),
+            Geometry::Instance(_) => 0.0,
+        }
+    }
+
+    /// A point uniform in area.
+    #[must_use]
+    pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        match &self.geometry {
+            Geometry::Mesh(mesh) => mesh.sample_area(random),
+            Geometry::Sphere(sphere) => Some(sphere.sample_area(random)),
+            Geometry::Disk(disk) => Some(disk.sample_area(random)),
+            Geometry::Cylinder(cylinder) => Some(cylinder.sample_area(random)),
+            Geometry::Instance(_) => None,
+        }
+    }
+
+    /// A point of the surface as seen from `reference`, with its density in solid angle there.
+    #[inline]
+    #[must_use]
+    pub fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
+        match &self.geometry {
+            Geometry::Sphere(sphere) => sphere.sample_direction(reference, random),
+            _ => self.sample_area(random)?.seen_from(reference),
+        }
+    }
+
+    /// The density in solid angle with which [`Self::sample_direction`] chooses a point of the
+    /// surface that is known.
+    #[inline]
+    #[must_use]
+    pub fn pdf_direction(&self, reference: Vec3, surface: &SurfaceInteraction) -> f32 {
+        match &self.geometry {
+            Geometry::Sphere(sphere) => sphere.pdf_direction(reference, surface.point, surface.normal),
+            _ => {
+                let path = surface.point - reference;
+                area_to_solid_angle(1.0 / self.area(), path, surface.normal).unwrap_or(0.0)
+            }
+        }
+    }
+
+    /// How many triangles or other primitives the shape has.
+    #[must_use]
+    pub fn primitive_count(&self) -> usize {
+        match &self.geometry {
+            Geometry::Mesh(mesh) => mesh.triangles().len(),
+            _ => 1,
+        }
+    }
+}
+
+impl SurfacePoint {
+    /// A placeholder for what no ray can hit directly.
+    const NOWHERE: Self = Self {
+        point: Vec3::ZERO,
+        error: Vec3::ZERO,
+        normal: Vec3::Z,
+        shading_normal: Vec3::Z,
+        uv: Vec2::ZERO,
+        dp_du: Vec3::X,
+        dp_dv: Vec3::Y,
+    };
+}

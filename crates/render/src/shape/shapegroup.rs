@@ -1,0 +1,23 @@
+//! `shapegroup`: shapes that instances place in the scene.
+
+use crate::ids::ShapeId;
+use crate::manual::{Manual, parameter};
+use etendue_bvh::Bvh;
+use std::sync::Arc;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Shapes that are not seen themselves, but wherever an `instance` places the group. The \
+              shapes must not emit light or be instances.",
+    parameters: &[parameter("shapes", "shape", "", "The shapes: nested, or references; any names.")],
+    sample: r#"<shape type="shapegroup"><shape type="sphere"/><shape type="cube"/></shape>"#,
+};
+
+/// The shapes of a group and the tree over them.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The tree, in the group's space.
+    pub bvh: Arc<Bvh>,
+    /// The first of the group's shapes in the scene's vector; the others follow.
+    pub first_shape: ShapeId,
+}

@@ -1,0 +1,131 @@
+//! Textures: quantities that vary over a surface, and the slots of materials that take them.
+//!
+//! # Contract
+//! - A texture is read at most once per hit and slot, while a material is prepared.
+//! - Colours are linear Rec.709 [`Spectrum`]s; scalars of a colour texture are its luminance.
+//! - `u` and `v` of a bitmap are Mitsuba's: (0, 0) is the lower left corner of the picture.
+
+pub mod bitmap;
+pub mod checkerboard;
+
+use crate::ids::TextureId;
+use crate::interaction::SurfaceInteraction;
+use etendue_spectrum::Spectrum;
+use glam::Vec2;
+
+/// A texture of the scene.
+#[derive(Clone, Debug)]
+pub enum Texture {
+    /// The same everywhere.
+    Constant(Spectrum),
+    /// An image.
+    Bitmap(bitmap::BitmapTexture),
+    /// Two colours in squares.
+    Checkerboard(checkerboard::Checkerboard),
+}
+
+/// All textures of a scene, addressed by [`TextureId`].
+#[derive(Clone, Copy, Debug)]
+pub struct Textures<'a>(pub &'a [Texture]);
+
+impl Textures<'_> {
+    /// The colour at a surface point.
+    #[must_use]
+    pub fn eval(&self, id: TextureId, surface: &SurfaceInteraction) -> Spectrum {
+        match &self.0[id.index()] {
+            Texture::Constant(color) => *color,
+            Texture::Bitmap(texture) => texture.eval(surface.uv),
+            Texture::Checkerboard(texture) => texture.eval(*self, surface),
+        }
+    }
+
+    /// The scalar at a surface point: the only channel, or the luminance of a colour.
+    #[must_use]
+    pub fn eval_scalar(&self, id: TextureId, surface: &SurfaceInteraction) -> f32 {
+        match &self.0[id.index()] {
+            Texture::Constant(color) => color.luminance(),
+            Texture::Bitmap(texture) => texture.eval_scalar(surface.uv),
+            Texture::Checkerboard(texture) => texture.eval(*self, surface).luminance(),
+        }
+    }
+
+    /// The derivatives of the scalar by `u` and `v` at a surface point; zero where the texture is
+    /// constant around it.
+    #[must_use]
+    pub fn gradient(&self, id: TextureId, surface: &SurfaceInteraction) -> Vec2 {
+        match &self.0[id.index()] {
+            Texture::Constant(_) | Texture::Checkerboard(_) => Vec2::ZERO,
+            Texture::Bitmap(texture) => texture.gradient(surface.uv),
+        }
+    }
+
+    /// The mean colour over the unit square of `uv`.
+    #[must_use]
+    pub fn mean(&self, id: TextureId) -> Spectrum {
+        match &self.0[id.index()] {
+            Texture::Constant(color) => *color,
+            Texture::Bitmap(texture) => texture.mean(),
+            Texture::Checkerboard(texture) => texture.mean(*self),
+        }
+    }
+}
+
+/// A colour parameter: constant, or read from a texture.
+#[derive(Clone, Copy, Debug)]
+pub enum ColorSource {
+    /// The same everywhere.
+    Constant(Spectrum),
+    /// Read from a texture.
+    Texture(TextureId),
+}
+
+impl ColorSource {
+    /// The colour at a surface point.
+    #[inline]
+    #[must_use]
+    pub fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        match *self {
+            Self::Constant(color) => color,
+            Self::Texture(id) => textures.eval(id, surface),
+        }
+    }
+
+    /// The mean colour over the unit square of `uv`.
+    #[must_use]
+    pub fn mean(&self, textures: Textures<'_>) -> Spectrum {
+        match *self {
+            Self::Constant(color) => color,
+            Self::Texture(id) => textures.mean(id),
+        }
+    }
+}
+
+/// A scalar parameter: constant, or read from a texture.
+#[derive(Clone, Copy, Debug)]
+pub enum ScalarSource {
+    /// The same everywhere.
+    Constant(f32),
+    /// Read from a texture.
+    Texture(TextureId),
+}
+
+impl ScalarSource {
+    /// The scalar at a surface point.
+    #[inline]
+    #[must_use]
+    pub fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Texture(id) => textures.eval_scalar(id, surface),
+        }
+    }
+
+    /// The mean over the unit square of `uv`.
+    #[must_use]
+    pub fn mean(&self, textures: Textures<'_>) -> f32 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Texture(id) => textures.mean(id).luminance(),
+        }
+    }
+}
