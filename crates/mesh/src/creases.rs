@@ -29,19 +29,40 @@ impl TriangleMesh {
     ///
     /// Where the mesh is not valid.
     pub fn split_sharp_edges(&mut self, max_smooth_angle: f32) -> Result<(), MeshError> {
-        let Some(corner_count) =
-            self.indices.len().checked_mul(3).and_then(|count| u32::try_from(count).ok())
-        else {
-            return Err(MeshError::new(
-                MeshErrorKind::Limit,
-                format!("{} triangles are too many to split along edges", self.indices.len()),
-            ));
-        };
+        let corner_count = self.corner_count()?;
         let groups = self.smooth_groups(corner_count, max_smooth_angle);
         let sums =
             self.angle_weighted_sums(|corner, _| groups[corner] as usize, corner_count as usize);
         self.split_vertices(&groups, &sums);
         Ok(())
+    }
+
+    /// Gives every triangle vertices of its own, with its normal.
+    ///
+    /// # Errors
+    ///
+    /// As [`TriangleMesh::split_sharp_edges`].
+    ///
+    /// # Panics
+    ///
+    /// Where the mesh is not valid.
+    pub(crate) fn separate_faces(&mut self) -> Result<(), MeshError> {
+        let groups: Vec<u32> = (0..self.corner_count()?).map(|corner| corner / 3).collect();
+        let normals: Vec<Vec3> =
+            (0..self.indices.len()).map(|face| unit_normal(self.corners(face))).collect();
+        self.split_vertices(&groups, &normals);
+        Ok(())
+    }
+
+    /// The number of corners of all triangles, if each can be a vertex.
+    fn corner_count(&self) -> Result<u32, MeshError> {
+        let triangle_count = self.indices.len();
+        triangle_count.checked_mul(3).and_then(|count| u32::try_from(count).ok()).ok_or_else(|| {
+            MeshError::new(
+                MeshErrorKind::Limit,
+                format!("the corners of {triangle_count} triangles are too many to be vertices"),
+            )
+        })
     }
 
     /// For each corner (three times the triangle plus 0, 1 or 2), one corner that stands for all

@@ -15,10 +15,12 @@ mod number;
 mod obj;
 mod ply;
 mod polygon;
+mod serialized;
 mod text;
 mod triangle_mesh;
 
 pub use error::{MeshError, MeshErrorKind};
 pub use obj::{ObjMesh, ObjOptions, ObjWarning, ObjWarningKind, read_obj, write_obj};
 pub use ply::{read_ply, write_ply};
+pub use serialized::{read_serialized, serialized_shape_count};
 pub use triangle_mesh::{Attribute, AttributeDomain, TriangleMesh};

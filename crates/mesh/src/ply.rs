@@ -31,7 +31,7 @@ use vertices::read_vertices;
 ///   property that belongs to no group is an attribute of one channel, with its own name. Colours in
 ///   8 or 16 unsigned bits are scaled to [0, 1], where Mitsuba warns and takes them as they are.
 ///   A face that is split passes its values on to all its triangles.
-/// - Other lists and other elements are skipped.
+/// - Other lists and other elements are skipped, and the file may end after the vertices and faces.
 ///
 /// # Errors
 ///
@@ -65,14 +65,18 @@ pub fn read_ply(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
 
 fn read_elements(header: &Header, mut source: impl Source) -> Result<TriangleMesh, MeshError> {
     let mut mesh = TriangleMesh::default();
+    // Whether vertices and faces are still to come.
     let mut pending = (true, true);
     for element in &header.elements {
+        if pending == (false, false) {
+            break;
+        }
         source.check_room(element)?;
         if element.is_vertices() && std::mem::take(&mut pending.0) {
             read_vertices(element, &mut source, &mut mesh)?;
         } else if element.is_faces() && std::mem::take(&mut pending.1) {
             read_faces(element, &mut source, header.vertex_count(), &mut mesh)?;
-        } else if pending != (false, false) {
+        } else {
             source.skip(element)?;
         }
     }

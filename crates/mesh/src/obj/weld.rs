@@ -108,11 +108,6 @@ impl Weld {
         self.entries.iter().map(|entry| entry.corner)
     }
 
-    /// How many vertices there are.
-    pub(crate) fn len(&self) -> usize {
-        self.entries.len()
-    }
-
     /// Gives back what only [`Weld::vertex`] needs.
     pub(crate) fn seal(self) -> Self {
         Self { entries: self.entries, ..Self::default() }
@@ -135,7 +130,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(weld.len(), 300);
         assert_eq!(weld.corner(299), Some(corner(2, 99)));
         assert_eq!(weld.corner(300), None);
         assert_eq!(weld.seal().corners().nth(4), Some(corner(1, 1)));

@@ -14,8 +14,8 @@ pub(super) struct Column {
     attribute: Attribute,
     /// The properties that are its channels, in their order.
     properties: Vec<usize>,
-    /// What each channel is to be multiplied by.
-    scales: Vec<f32>,
+    /// What each channel is to be divided by.
+    divisors: Vec<f32>,
 }
 
 impl Column {
@@ -55,16 +55,16 @@ impl Column {
     fn new(domain: AttributeDomain, stem: &str) -> Self {
         let name = format!("{}{stem}", domain.prefix());
         let attribute = Attribute { name, domain, channels: 0, values: Vec::new() };
-        Self { attribute, properties: Vec::new(), scales: Vec::new() }
+        Self { attribute, properties: Vec::new(), divisors: Vec::new() }
     }
 
     fn push(&mut self, index: usize, property: &Property) {
         let is_color = self.attribute.name.ends_with("_color");
         self.attribute.channels += 1;
         self.properties.push(index);
-        self.scales.push(match property.value {
-            ScalarType::Uint8 if is_color => 1.0 / 255.0,
-            ScalarType::Uint16 if is_color => 1.0 / 65535.0,
+        self.divisors.push(match property.value {
+            ScalarType::Uint8 if is_color => f32::from(u8::MAX),
+            ScalarType::Uint16 if is_color => f32::from(u16::MAX),
             _ => 1.0,
         });
     }
@@ -77,8 +77,10 @@ impl Column {
     /// Appends the values of one vertex or face, of which `value` gives each property.
     #[inline]
     pub(super) fn append(&mut self, value: impl Fn(usize) -> f32) {
-        let channels = self.properties.iter().zip(&self.scales);
-        self.attribute.values.extend(channels.map(|(&property, scale)| value(property) * scale));
+        let channels = self.properties.iter().zip(&self.divisors);
+        self.attribute
+            .values
+            .extend(channels.map(|(&property, divisor)| value(property) / divisor));
     }
 
     /// The attribute.

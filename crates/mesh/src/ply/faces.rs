@@ -8,6 +8,10 @@ use crate::error::{MeshError, MeshErrorKind};
 use crate::polygon::triangulate;
 use crate::triangle_mesh::{AttributeDomain, TriangleMesh};
 
+/// How many attribute values may come of one byte of the file. A face with many corners passes its
+/// values on to as many triangles, which a file made for it turns into thousands per byte.
+const MOST_VALUES_PER_BYTE: usize = 16;
+
 /// Reads all rows of `element` into `mesh`, whose positions are known unless the faces come first.
 pub(super) fn read_faces(
     element: &Element,
@@ -17,6 +21,8 @@ pub(super) fn read_faces(
 ) -> Result<(), MeshError> {
     let corners = find_corners(element, source)?;
     let mut columns = Column::all(element, AttributeDomain::Face, &[]);
+    let most_triangles =
+        source.bytes_left().saturating_mul(MOST_VALUES_PER_BYTE) / element.properties.len();
     reserve(element, source, &mut columns, mesh);
     let mut row = vec![0.0; element.properties.len()];
     let mut polygon: Vec<u32> = Vec::new();
@@ -32,6 +38,12 @@ pub(super) fn read_faces(
             }
         }
         let before = mesh.indices.len();
+        if polygon.len() > 3 && before + polygon.len() > most_triangles {
+            return Err(source.error(
+                MeshErrorKind::Limit,
+                "the values of the faces are many times the size of the file".to_owned(),
+            ));
+        }
         let positions = &mesh.positions;
         let position_of = |vertex: u32| positions.get(vertex as usize).copied();
         triangulate(&polygon, position_of, &mut mesh.indices);

@@ -1,0 +1,127 @@
+//! The numbers in the zlib stream of a shape.
+
+use crate::error::{MeshError, MeshErrorKind};
+use flate2::bufread::ZlibDecoder;
+use std::io::{BufReader, ErrorKind, Read};
+
+/// Bytes that are inflated at a time.
+const CHUNK_SIZE: usize = 1 << 16;
+
+/// Deflate never makes more bytes than this of one: a match of 258 bytes takes two bits at least.
+const HIGHEST_RATIO: u128 = 1032;
+
+/// Longer names are taken for damage.
+const LONGEST_NAME: usize = 1 << 16;
+
+/// Inflates a stream piece by piece. Memory grows with what really comes out, never with what is
+/// announced.
+pub(super) struct Inflater<'a> {
+    reader: BufReader<ZlibDecoder<&'a [u8]>>,
+    compressed_size: usize,
+    offset: usize,
+}
+
+impl<'a> Inflater<'a> {
+    /// The stream at the start of `compressed`, which is at `offset` in its file.
+    pub(super) fn new(compressed: &'a [u8], offset: usize) -> Self {
+        let decoder = ZlibDecoder::new(compressed);
+        let reader = BufReader::with_capacity(CHUNK_SIZE, decoder);
+        Self { reader, compressed_size: compressed.len(), offset }
+    }
+
+    /// Refuses to expect more bytes than the stream can possibly hold.
+    pub(super) fn check_room(&self, size: u128) -> Result<(), MeshError> {
+        if size <= self.compressed_size as u128 * HIGHEST_RATIO {
+            return Ok(());
+        }
+        Err(self.error(
+            MeshErrorKind::Truncated,
+            format!(
+                "the shape announces {size} bytes, which {} compressed ones cannot hold",
+                self.compressed_size
+            ),
+        ))
+    }
+
+    pub(super) fn u32(&mut self) -> Result<u32, MeshError> {
+        let mut bytes = [0; 4];
+        self.fill(&mut bytes)?;
+        Ok(u32::from_le_bytes(bytes))
+    }
+
+    pub(super) fn u64(&mut self) -> Result<u64, MeshError> {
+        let mut bytes = [0; 8];
+        self.fill(&mut bytes)?;
+        Ok(u64::from_le_bytes(bytes))
+    }
+
+    /// A text that ends in a zero.
+    pub(super) fn name(&mut self) -> Result<String, MeshError> {
+        let mut name = Vec::new();
+        loop {
+            let mut byte = [0];
+            self.fill(&mut byte)?;
+            if byte == [0] {
+                return Ok(String::from_utf8_lossy(&name).into_owned());
+            }
+            if name.len() == LONGEST_NAME {
+                return Err(self.error(
+                    MeshErrorKind::Limit,
+                    format!("the name of the shape is longer than {LONGEST_NAME} bytes"),
+                ));
+            }
+            name.extend(byte);
+        }
+    }
+
+    /// So many rows of `COUNT` numbers of `SIZE` bytes.
+    pub(super) fn array<T, const SIZE: usize, const COUNT: usize>(
+        &mut self,
+        row_count: u64,
+        convert: impl Fn([[u8; SIZE]; COUNT]) -> T,
+    ) -> Result<Vec<T>, MeshError> {
+        let rows_at_a_time = CHUNK_SIZE / (SIZE * COUNT);
+        let mut chunk = vec![0; rows_at_a_time * SIZE * COUNT];
+        let mut rows = Vec::new();
+        let mut left = row_count;
+        while left > 0 {
+            let now = usize::try_from(left).map_or(rows_at_a_time, |left| left.min(rows_at_a_time));
+            let bytes = &mut chunk[..now * SIZE * COUNT];
+            self.fill(bytes)?;
+            if rows.len() + now > rows.capacity() {
+                // Twice as much as before, but no more than will be needed.
+                let needed = usize::try_from(left).unwrap_or(usize::MAX);
+                rows.reserve_exact(needed.min(now.max(rows.len())));
+            }
+            let numbers = bytes.as_chunks::<SIZE>().0;
+            rows.extend(numbers.as_chunks::<COUNT>().0.iter().map(|&row| convert(row)));
+            left -= now as u64;
+        }
+        Ok(rows)
+    }
+
+    /// Compares the checksum, if the stream ends here. Whatever else comes is left alone.
+    pub(super) fn check_sum(&mut self) -> Result<(), MeshError> {
+        // The decoder finds the end, and the checksum behind it, when asked for a further byte.
+        let further = self.reader.read(&mut [0]);
+        further.map(|_| ()).map_err(|error| self.damaged(&error))
+    }
+
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<(), MeshError> {
+        self.reader.read_exact(bytes).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => {
+                self.error(MeshErrorKind::Truncated, "the shape ends early".to_owned())
+            }
+            _ => self.damaged(&error),
+        })
+    }
+
+    fn damaged(&self, error: &std::io::Error) -> MeshError {
+        let message = format!("the compressed data of the shape is damaged ({error})");
+        self.error(MeshErrorKind::Syntax, message)
+    }
+
+    fn error(&self, kind: MeshErrorKind, message: String) -> MeshError {
+        MeshError::new(kind, message).at_offset(self.offset)
+    }
+}
