@@ -31,8 +31,8 @@ struct Entry {
 
 /// The vertices made so far.
 ///
-/// Most positions belong to one or two vertices, so a chain per position finds them with one or two memory accesses; a
-/// hash map of triples took most of the reader's time.
+/// Most positions belong to one or two vertices, so a chain per position finds them with one or two
+/// memory accesses and without hashing.
 #[derive(Default)]
 pub(crate) struct Weld {
     /// The first vertex at each position, or [`NONE`].

@@ -67,8 +67,7 @@ struct Rows<'a> {
     order: ByteOrder,
 }
 
-/// Decodes one column after the other: each loop then does the same thing over and over, which is
-/// three times as fast as going through the properties of each row.
+/// Decodes one column after the other, so that each loop does the same thing over and over.
 fn decode_rows(element: &Element, rows: Rows<'_>, layout: &mut Layout, mesh: &mut TriangleMesh) {
     let mut offset = 0;
     let mut offsets = Vec::with_capacity(element.properties.len());
