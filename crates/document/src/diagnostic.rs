@@ -193,6 +193,11 @@ impl Diagnostics {
         self.lock().error_count
     }
 
+    /// Whether no more findings are kept, so that help for them is wasted work.
+    pub fn is_full(&self) -> bool {
+        self.lock().list.len() >= KEPT
+    }
+
     /// How many findings were not kept.
     pub fn omitted(&self) -> usize {
         self.lock().omitted

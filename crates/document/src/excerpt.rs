@@ -169,3 +169,83 @@ impl Excerpts {
         self.list.get(id).ok_or(Error::FileMissing)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::Fault;
+
+    fn sources(text: &str) -> Sources {
+        let mut sources = Sources::default();
+        sources.add("scene.xml", text);
+        sources
+    }
+
+    fn span(range: Range<usize>) -> Span {
+        Span::new(crate::SourceId::default(), range)
+    }
+
+    #[test]
+    fn an_excerpt_shows_place_line_caret_and_help() {
+        let text = "<scene>\n\t<float name=\"alpah\" value=\"1\"/>\n</scene>";
+        let diagnostic = Diagnostic::warning(Fault::UnknownParameter, span(22..27), "no `alpah`")
+            .related(span(0..6), "in this scene")
+            .help("did you mean `alpha`?");
+        let expected = "\
+warning: no `alpah`
+  ┌─ scene.xml:2:15
+  │
+2 │  <float name=\"alpah\" value=\"1\"/>
+  │               ^^^^^
+  │
+  ┌─ scene.xml:1:1
+  │
+1 │ <scene>
+  │ ------ in this scene
+  │
+  = did you mean `alpha`?
+";
+        assert_eq!(render_diagnostic(&diagnostic, &sources(text), false), expected);
+    }
+
+    #[test]
+    fn a_finding_without_a_place_is_its_message() {
+        let diagnostic = Diagnostic::error(Fault::Io, None, "cannot read x.xml");
+        let text = render_diagnostic(&diagnostic, &Sources::default(), false);
+        assert_eq!(text, "error: cannot read x.xml\n");
+    }
+
+    #[test]
+    fn of_long_lines_and_long_spans_a_part_is_shown() {
+        let text = format!("{}here{}", "a".repeat(1_000_000), "b".repeat(1_000_000));
+        let diagnostic = Diagnostic::error(Fault::Syntax, span(1_000_000..1_000_004), "wrong");
+        let shown = render_diagnostic(&diagnostic, &sources(&text), false);
+        assert!(shown.contains("scene.xml:1:1000001"), "{shown}");
+        assert!(shown.contains("…aaa") && shown.contains("ahereb") && shown.contains("bbb…"));
+        assert!(shown.lines().all(|line| line.chars().count() < 150), "{shown}");
+        let diagnostic = Diagnostic::error(Fault::Syntax, span(0..2_000_000), "wrong");
+        let shown = render_diagnostic(&diagnostic, &sources(&text), false);
+        assert!(shown.lines().all(|line| line.chars().count() < 150), "{shown}");
+    }
+
+    #[test]
+    fn colours_come_only_when_asked_for_and_files_cannot_send_any() {
+        let diagnostic = Diagnostic::error(Fault::Syntax, span(0..3), "bad \u{1b}[31m");
+        let sources = sources("a\u{1b}[2J");
+        assert!(!render_diagnostic(&diagnostic, &sources, false).contains('\u{1b}'));
+        assert!(render_diagnostic(&diagnostic, &sources, true).contains("\u{1b}["));
+    }
+
+    proptest! {
+        #[test]
+        fn any_span_of_any_text_can_be_shown(text in "[a-cö\u{1F600}\n\r\t]{0,40}",
+                                             start in 0usize..60, length in 0usize..60) {
+            let diagnostic = Diagnostic::error(Fault::Syntax, span(start..start + length), "x");
+            let shown = render_diagnostic(&diagnostic, &sources(&text), false);
+            prop_assert!(shown.starts_with("error: x\n"));
+            prop_assert!(shown.contains("scene.xml:"));
+        }
+    }
+}

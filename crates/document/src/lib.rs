@@ -23,7 +23,7 @@ pub use document::{Child, Class, Document, Node, NodeId, Parameter};
 pub use excerpt::render_diagnostic;
 pub use names::{list_names, near_names};
 pub use parameters::{Entry, Parameters};
-pub use resolver::{NotFound, Resolver};
+pub use resolver::{NotFound, Resolver, normalise};
 pub use resources::{MemoryResources, ResourceError, Resources};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use value::{SpectrumValue, Value};

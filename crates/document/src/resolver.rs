@@ -114,8 +114,9 @@ impl Resolver {
     }
 }
 
-/// Removes `.` and resolves `..` by name alone, so that the folders above a path can be listed.
-pub(crate) fn normalise(path: &Path) -> PathBuf {
+/// The same path without `.` and with `..` resolved by name alone, as paths of files come from
+/// [`Resolver::resolve`].
+pub fn normalise(path: &Path) -> PathBuf {
     let mut normal = PathBuf::new();
     for component in path.components() {
         match component {
