@@ -142,10 +142,19 @@ fn linear_image(picture: &Picture) -> Result<DynamicImage, ImageError> {
     Ok(DynamicImage::ImageRgb32F(buffer))
 }
 
-/// Sorts a decoder's error by whose fault it is.
+/// Sorts a decoder's error by whose fault it is, with the innermost message: the outer ones repeat
+/// the format's name.
 fn read_error(name: &'static str, error: image::ImageError) -> ImageError {
-    match error {
-        image::ImageError::Unsupported(error) => ImageError::unsupported(name, error.to_string()),
-        error => ImageError::malformed(name, error.to_string()),
+    let is_unsupported = matches!(error, image::ImageError::Unsupported(_));
+    let mut innermost: &dyn std::error::Error = &error;
+    while let Some(source) = innermost.source() {
+        innermost = source;
+    }
+    let message = innermost.to_string();
+    let message = message.trim();
+    if is_unsupported {
+        ImageError::unsupported(name, message)
+    } else {
+        ImageError::malformed(name, message)
     }
 }

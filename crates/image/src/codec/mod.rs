@@ -2,6 +2,7 @@
 
 mod common;
 mod display;
+mod exr_part;
 mod exr_read;
 mod exr_write;
 mod pfm;

@@ -1,0 +1,184 @@
+//! The first part of an OpenEXR file: its header, and its channels' samples.
+//!
+//! The chunks are unpacked here and not by the `exr` crate's own image reader, because that does it
+//! on a thread pool where a panic ends the process.
+
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use exr::block::UncompressedBlock;
+use exr::block::chunk::Chunk;
+use exr::image::FlatSamples;
+use exr::math::Vec2;
+use exr::meta::MetaData;
+use exr::meta::attribute::SampleType;
+use exr::meta::header::Header;
+use exr::prelude::Compression;
+use half::f16;
+use rayon::prelude::*;
+
+use super::exr_read::FORMAT;
+use crate::{ImageError, Limits};
+
+/// Parts with fewer samples than this are unpacked on one thread.
+const PARALLEL_SAMPLES: usize = 1 << 17;
+
+/// How many chunks are unpacked before their samples are moved to where they belong.
+const CHUNKS_AT_ONCE: usize = 64;
+
+/// A file's first part.
+pub(super) struct Part {
+    pub(super) header: Header,
+    /// Samples of the whole data window, for each channel of the header.
+    pub(super) channels: Vec<FlatSamples>,
+}
+
+/// Checks the headers, then reads the first part's channels at their full resolution.
+pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageError> {
+    let reader = guarded(|| exr::block::read(Cursor::new(bytes), false))?;
+    let first = check_headers(reader.headers(), bytes.len(), limits)?.clone();
+    let channels = guarded(|| {
+        let mut channels = allocate(&first);
+        let meta_data = reader.meta_data().clone();
+        let mut chunks = reader.filter_chunks(false, |_, tile, block| {
+            block.layer == 0 && tile.level_index == Vec2(0, 0)
+        })?;
+        let is_small = first.layer_size.area() * channels.len() < PARALLEL_SAMPLES;
+        loop {
+            let some: Vec<Chunk> =
+                chunks.by_ref().take(CHUNKS_AT_ONCE).collect::<Result<_, _>>()?;
+            if some.is_empty() {
+                return Ok(channels);
+            }
+            for block in unpack(some, &meta_data, is_small)? {
+                store(&block, &first, &mut channels)?;
+            }
+        }
+    })?;
+    Ok(Part { header: first, channels })
+}
+
+/// Calls into the `exr` crate. Its checks have holes: some broken files run into its assertions or
+/// past the end of its slices, and that must not take the host down with it.
+fn guarded<T>(read: impl FnOnce() -> exr::error::Result<T>) -> Result<T, ImageError> {
+    // Nothing that `read` has touched is looked at after a panic.
+    match catch_unwind(AssertUnwindSafe(read)) {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(exr::error::Error::NotSupported(message))) => {
+            Err(ImageError::unsupported(FORMAT, message.to_string()))
+        }
+        Ok(Err(error)) => Err(ImageError::malformed(FORMAT, error.to_string())),
+        Err(_) => Err(ImageError::malformed(FORMAT, "the blocks of samples make no sense")),
+    }
+}
+
+/// Refuses what is not supported, and sizes that the file cannot hold. Returns the first header.
+fn check_headers<'a>(
+    headers: &'a [Header],
+    file_size: usize,
+    limits: &Limits,
+) -> Result<&'a Header, ImageError> {
+    let malformed = |message: &str| ImageError::malformed(FORMAT, message);
+    let mut table_bytes: u64 = 0;
+    for header in headers {
+        if header.deep {
+            return Err(ImageError::unsupported(FORMAT, "deep data"));
+        }
+        table_bytes = table_bytes.saturating_add((header.chunk_count as u64).saturating_mul(8));
+    }
+    if table_bytes > file_size as u64 {
+        return Err(malformed("it is shorter than its own table of chunks"));
+    }
+    let header = headers.first().ok_or_else(|| malformed("it has no parts"))?;
+    let list = &header.channels.list;
+    if list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+        let message = "subsampled channels (luminance and chroma)";
+        return Err(ImageError::unsupported(FORMAT, message));
+    }
+    let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
+    if list.is_empty() || width == 0 || height == 0 {
+        return Err(malformed("it has no samples"));
+    }
+    limits.check(width, height, list.len() as u64, 4)?;
+    let pixel_bytes: u64 = list.iter().map(|c| c.sample_type.bytes_per_sample() as u64).sum();
+    let possible = largest_expansion(header.compression).saturating_mul(file_size as u64);
+    if width * height * pixel_bytes > possible {
+        let message = format!("{file_size} bytes cannot hold {width}x{height} pixels");
+        return Err(malformed(&message));
+    }
+    Ok(header)
+}
+
+/// Most bytes of samples that one byte of the file can become, rounded up.
+fn largest_expansion(compression: Compression) -> u64 {
+    match compression {
+        Compression::Uncompressed => 1,
+        // A run of 128 takes two bytes.
+        Compression::RLE => 64,
+        // Sixteen samples take three bytes.
+        Compression::B44 | Compression::B44A => 16,
+        // Deflate ends at 1032, a Huffman code for 255 samples below that. PXR24 leaves out a
+        // quarter of each float.
+        Compression::ZIP1 | Compression::ZIP16 | Compression::PIZ | Compression::PXR24 => 1400,
+        // An empty block of 64 samples takes two bytes, which deflate again.
+        _ => 1 << 17,
+    }
+}
+
+/// Room for all samples of all channels.
+fn allocate(header: &Header) -> Vec<FlatSamples> {
+    let count = header.layer_size.area();
+    let room = |sample_type| match sample_type {
+        SampleType::F16 => FlatSamples::F16(vec![f16::ZERO; count]),
+        SampleType::F32 => FlatSamples::F32(vec![0.0; count]),
+        SampleType::U32 => FlatSamples::U32(vec![0; count]),
+    };
+    header.channels.list.iter().map(|channel| room(channel.sample_type)).collect()
+}
+
+/// Undoes the compression of some chunks.
+fn unpack(
+    chunks: Vec<Chunk>,
+    meta_data: &MetaData,
+    is_small: bool,
+) -> exr::error::Result<Vec<UncompressedBlock>> {
+    let unpack_one = |chunk| UncompressedBlock::decompress_chunk(chunk, meta_data, false);
+    if is_small {
+        chunks.into_iter().map(unpack_one).collect()
+    } else {
+        chunks.into_par_iter().map(unpack_one).collect()
+    }
+}
+
+/// Copies a block's rows to their places. Where a block lies is written in the chunk itself, so it
+/// may be anywhere.
+fn store(
+    block: &UncompressedBlock,
+    header: &Header,
+    channels: &mut [FlatSamples],
+) -> exr::error::Result<()> {
+    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    let (position, size) = (block.index.pixel_position, block.index.pixel_size);
+    let is_within = |start: usize, length: usize, end: usize| {
+        start.checked_add(length).is_some_and(|block_end| block_end <= end)
+    };
+    let expected_bytes = size.area() * header.channels.bytes_per_pixel;
+    if block.index.layer != 0
+        || block.index.level != Vec2(0, 0)
+        || !is_within(position.x(), size.width(), width)
+        || !is_within(position.y(), size.height(), height)
+        || block.data.len() != expected_bytes
+    {
+        return Err(exr::error::Error::Invalid("a block outside of the image".into()));
+    }
+    for line in block.lines(&header.channels) {
+        let start = line.location.position.y() * width + line.location.position.x();
+        let range = start..start + line.location.sample_count;
+        match &mut channels[line.location.channel] {
+            FlatSamples::F16(samples) => line.read_samples_into_slice(&mut samples[range])?,
+            FlatSamples::F32(samples) => line.read_samples_into_slice(&mut samples[range])?,
+            FlatSamples::U32(samples) => line.read_samples_into_slice(&mut samples[range])?,
+        }
+    }
+    Ok(())
+}
