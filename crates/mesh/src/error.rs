@@ -18,7 +18,8 @@ pub enum MeshErrorKind {
     Unsupported,
     /// A coordinate is NaN, infinite, or too large for single precision.
     NonFinite,
-    /// The vectors of a [`TriangleMesh`](crate::TriangleMesh) have lengths that do not fit together.
+    /// The vectors of a [`TriangleMesh`](crate::TriangleMesh) have lengths that do not fit
+    /// together.
     Inconsistent,
 }
 

@@ -6,6 +6,20 @@
 //! [`TriangleMesh::validate`].
 //!
 //! Coordinates are whatever unit and space the file has; nothing is scaled or transformed.
+//!
+//! ```
+//! use etendue_mesh::{MeshErrorKind, ObjOptions, read_obj};
+//!
+//! let text = b"v 0 0 0\nv 3 0 0\nv 3 4 0\nv 0 4 0\nf 1 2 3 4\n";
+//! let mut mesh = read_obj(text, &ObjOptions::default())?.mesh;
+//! assert_eq!((mesh.indices.len(), mesh.surface_area()), (2, 12.0));
+//! mesh.compute_vertex_normals();
+//! assert_eq!(mesh.normals[0].z, 1.0);
+//!
+//! let error = read_obj(b"v 0 0 0\nf 1 2 3\n", &ObjOptions::default()).unwrap_err();
+//! assert_eq!((error.kind, error.line), (MeshErrorKind::OutOfRange, Some(2)));
+//! # Ok::<(), etendue_mesh::MeshError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod creases;

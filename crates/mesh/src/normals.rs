@@ -1,11 +1,14 @@
 //! Shading normals: dropping, flipping and computing them.
 
 use crate::triangle_mesh::TriangleMesh;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// The normal of a vertex that no triangle of positive area touches. Any unit vector would do: no
 /// ray can hit such a vertex. Mitsuba 3 has the same one.
 const NORMAL_OF_NOTHING: Vec3 = Vec3::X;
+
+/// A sum of vectors that is shorter than this share of the sum of their lengths is rounding.
+const CANCELLED: f32 = 1e-6;
 
 impl TriangleMesh {
     /// Turns the mesh inside out: reverses the winding of every triangle and the vertex normals.
@@ -24,10 +27,10 @@ impl TriangleMesh {
     }
 
     /// Replaces the vertex normals by the mean of the normals of the triangles around each vertex,
-    /// weighted by the angle of the triangle at the vertex, and of unit length (Thürmer and Wüthrich, "Computing
-    /// Vertex Normals from Polygonal Facets", *Journal of Graphics Tools* 3(1), 1998). Vertices
-    /// that share a position but not an index are not averaged: a seam in the texture
-    /// coordinates stays visible, as it does in Mitsuba 3.
+    /// weighted by the angle of the triangle at the vertex, and of unit length (Thürmer and
+    /// Wüthrich, "Computing Vertex Normals from Polygonal Facets", *Journal of Graphics Tools*
+    /// 3(1), 1998). Vertices that share a position but not an index are not averaged: a seam in the
+    /// texture coordinates stays visible, as it does in Mitsuba 3.
     ///
     /// # Panics
     ///
@@ -59,13 +62,35 @@ impl TriangleMesh {
 
     /// For each of `group_count` groups of corners, the sum of the unit normals of its triangles,
     /// each times the angle at the corner. `group` maps the number of a corner (three times the
-    /// triangle plus 0, 1 or 2) and its vertex to the group.
+    /// triangle plus 0, 1 or 2) and its vertex to the group. Where triangles lie back to back and
+    /// nothing but rounding is left of the sum, the normal of one of them takes its place.
     pub(crate) fn angle_weighted_sums(
         &self,
         group: impl Fn(usize, usize) -> usize,
         group_count: usize,
     ) -> Vec<Vec3> {
-        let mut sums = vec![Vec3::ZERO; group_count];
+        // The angles themselves are summed in the fourth component.
+        let mut sums = vec![Vec4::ZERO; group_count];
+        let mut last_normals = Vec::new();
+        let is_cancelled = |sum: &Vec4| sum.truncate().length() < CANCELLED * sum.w;
+        self.for_each_corner(|corner, vertex, normal, angle| {
+            sums[group(corner, vertex)] += normal.extend(1.0) * angle;
+        });
+        if sums.iter().any(is_cancelled) {
+            last_normals.resize(group_count, Vec3::ZERO);
+            self.for_each_corner(|corner, vertex, normal, _| {
+                last_normals[group(corner, vertex)] = normal;
+            });
+        }
+        let direction = |(index, sum): (usize, &Vec4)| {
+            if is_cancelled(sum) { last_normals[index] } else { sum.truncate() }
+        };
+        sums.iter().enumerate().map(direction).collect()
+    }
+
+    /// Calls `visit` with the number, the vertex, the unit normal and the angle in radians of each
+    /// corner of each triangle that has an area.
+    fn for_each_corner(&self, mut visit: impl FnMut(usize, usize, Vec3, f32)) {
         for (face, indices) in self.indices.iter().enumerate() {
             let corners = self.corners(face);
             let normal = unit_normal(corners);
@@ -73,11 +98,9 @@ impl TriangleMesh {
                 continue;
             }
             for (corner, &vertex) in indices.iter().enumerate() {
-                let angle = angle_at(corners, corner);
-                sums[group(3 * face + corner, vertex as usize)] += normal * angle;
+                visit(3 * face + corner, vertex as usize, normal, angle_at(corners, corner));
             }
         }
-        sums
     }
 }
 
@@ -160,6 +183,16 @@ mod tests {
         assert_eq!(mesh.fill_missing_normals(), 1);
         assert!((mesh.normals[4] - Vec3::Z).length() < 1e-6);
         assert_eq!(mesh.normals[0], Vec3::NEG_X);
+    }
+
+    #[test]
+    fn triangles_back_to_back_have_the_normal_of_one_of_them() {
+        let mut mesh = cube_corner();
+        mesh.positions[1] = Vec3::new(0.3, -0.7, 0.2);
+        mesh.indices = vec![[0, 1, 3], [0, 3, 1]];
+        mesh.compute_vertex_normals();
+        let expected = unit_normal(mesh.corners(1));
+        assert_eq!([mesh.normals[0], mesh.normals[1], mesh.normals[3]], [expected; 3]);
     }
 
     #[test]

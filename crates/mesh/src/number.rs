@@ -72,7 +72,8 @@ fn parse_exact(bytes: &[u8]) -> Option<(f32, usize)> {
     Some((if negative { -single } else { single }, end))
 }
 
-/// The single nearest to a double that is itself a rounded number; `None` where that cannot be told.
+/// The single nearest to a double that is itself a rounded number; `None` where that cannot be
+/// told.
 #[inline]
 fn round_once_more(double: f64) -> Option<f32> {
     // The 29 bits that single precision drops are a one and zeros: exactly between two singles.
@@ -114,13 +115,13 @@ fn digits(bytes: &[u8], mut position: usize, mut value: u64) -> (u64, usize) {
     (value, position)
 }
 
-/// The value and the length of the run of digits at the start (the low end) of eight characters, without a loop
-/// or a branch per digit (after Lemire, "Quickly parsing eight digits", 2018).
+/// The value and the length of the run of digits at the start (the low end) of eight characters,
+/// without a loop or a branch per digit (after Lemire, "Quickly parsing eight digits", 2018).
 #[inline]
 fn digit_run(characters: u64) -> (u64, usize) {
     let offsets = characters ^ 0x3030_3030_3030_3030;
-    // A byte above 9 gets its top bit set, if not by itself then by adding 0x76. A carry out of one byte
-    // only disturbs bytes after the first that is no digit.
+    // A byte above 9 gets its top bit set, if not by itself then by adding 0x76. A carry out of one
+    // byte only disturbs bytes after the first that is no digit.
     let no_digit = (offsets.wrapping_add(0x7676_7676_7676_7676) | offsets) & 0x8080_8080_8080_8080;
     let length = no_digit.trailing_zeros() as usize / 8;
     if length == 0 {
@@ -226,7 +227,11 @@ mod tests {
         }
 
         #[test]
-        fn decimals_near_ties_are_as_in_the_standard_library(bits in any::<u32>(), nudge in -1_i64..=1, digits in 1_usize..25) {
+        fn decimals_near_ties_are_as_in_the_standard_library(
+            bits in any::<u32>(),
+            nudge in -1_i64..=1,
+            digits in 1_usize..25,
+        ) {
             let value = f32::from_bits(bits);
             prop_assume!(value.is_finite());
             let between = f64::midpoint(f64::from(value), f64::from(value.next_up()));
@@ -237,7 +242,9 @@ mod tests {
         }
 
         #[test]
-        fn plain_decimals_are_as_in_the_standard_library(text in "[+-]?[0-9]{1,12}(\\.[0-9]{0,12})?([eE][+-]?[0-9]{1,3})?") {
+        fn plain_decimals_are_as_in_the_standard_library(
+            text in "[+-]?[0-9]{1,12}(\\.[0-9]{0,12})?([eE][+-]?[0-9]{1,3})?",
+        ) {
             assert_as_std(&text);
         }
 

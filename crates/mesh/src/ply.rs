@@ -23,14 +23,14 @@ use vertices::read_vertices;
 /// - Properties may come in any order and have any type. `x y z` are needed; `nx ny nz` are the
 ///   normals; `u v`, `s t` or `texture_u texture_v` the texture coordinates.
 /// - The list `vertex_indices` or `vertex_index` holds the corners of faces, of which polygons are
-///   split as a fan, or by clipping ears where they are concave (if the vertices come before the faces). Faces with fewer
-///   than three corners have no area and are left out.
-/// - Every other number of vertices and faces becomes an [`Attribute`](crate::Attribute), named by Mitsuba 3's rules:
-///   consecutive properties `foo_0 foo_1 …` or `foo_x foo_y …` are the channels of `vertex_foo` (of
-///   `face_foo` on faces), `r g b` and `red green blue` (with `a`, `alpha`) those of `vertex_color`. A
-///   property that belongs to no group is an attribute of one channel, with its own name. Colours in
-///   8 or 16 unsigned bits are scaled to [0, 1], where Mitsuba warns and takes them as they are.
-///   A face that is split passes its values on to all its triangles.
+///   split as a fan, or by clipping ears where they are concave (if the vertices come before the
+///   faces). Faces with fewer than three corners have no area and are left out.
+/// - Every other number of vertices and faces becomes an [`Attribute`](crate::Attribute), named by
+///   Mitsuba 3's rules: consecutive properties `foo_0 foo_1 …` or `foo_x foo_y …` are the channels
+///   of `vertex_foo` (of `face_foo` on faces), `r g b` and `red green blue` (with `a`, `alpha`)
+///   those of `vertex_color`. A property that belongs to no group is an attribute of one channel,
+///   with its own name. Colours in 8 or 16 unsigned bits are scaled to [0, 1], where Mitsuba warns
+///   and takes them as they are. A face that is split passes its values on to all its triangles.
 /// - Other lists and other elements are skipped, and the file may end after the vertices and faces.
 ///
 /// # Errors
@@ -65,17 +65,18 @@ pub fn read_ply(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
 
 fn read_elements(header: &Header, mut source: impl Source) -> Result<TriangleMesh, MeshError> {
     let mut mesh = TriangleMesh::default();
-    // Whether vertices and faces are still to come.
-    let mut pending = (true, true);
+    let (mut vertices_pending, mut faces_pending) = (true, true);
     for element in &header.elements {
-        if pending == (false, false) {
+        if !vertices_pending && !faces_pending {
             break;
         }
         source.check_room(element)?;
-        if element.is_vertices() && std::mem::take(&mut pending.0) {
+        if vertices_pending && element.is_vertices() {
             read_vertices(element, &mut source, &mut mesh)?;
-        } else if element.is_faces() && std::mem::take(&mut pending.1) {
+            vertices_pending = false;
+        } else if faces_pending && element.is_faces() {
             read_faces(element, &mut source, header.vertex_count(), &mut mesh)?;
+            faces_pending = false;
         } else {
             source.skip(element)?;
         }

@@ -195,8 +195,11 @@ mod tests {
         #[test]
         fn stars_are_covered_once(radii in prop::collection::vec(0.1_f32..1.0, 5..40)) {
             let step = std::f32::consts::TAU / radii.len() as f32;
-            let place = |(i, r): (usize, &f32)| Vec3::new((i as f32 * step).cos(), 0.5, (i as f32 * step).sin()) * *r;
-            let places: Vec<Vec3> = radii.iter().enumerate().map(place).map(|p| p.with_y(0.5)).collect();
+            let place = |(corner, radius): (usize, &f32)| {
+                let (sin, cos) = (corner as f32 * step).sin_cos();
+                Vec3::new(cos * radius, 0.5, sin * radius)
+            };
+            let places: Vec<Vec3> = radii.iter().enumerate().map(place).collect();
             let shoelace: f32 = (0..places.len())
                 .map(|i| places[i].cross(places[(i + 1) % places.len()]).y * 0.5)
                 .sum();

@@ -1,7 +1,7 @@
 //! Mitsuba's serialized format, versions 3 and 4 (*Mitsuba 0.6 documentation*, section 8.2.5).
 //!
-//! A file is a sequence of shapes and a dictionary. Each shape starts with a 16-bit identifier and a
-//! 16-bit version, followed by a zlib stream: flags, a name (version 4 only), the numbers of
+//! A file is a sequence of shapes and a dictionary. Each shape starts with a 16-bit identifier and
+//! a 16-bit version, followed by a zlib stream: flags, a name (version 4 only), the numbers of
 //! vertices and triangles, and then one array after the other. All numbers are little-endian.
 
 mod dictionary;
@@ -38,18 +38,18 @@ pub fn serialized_shape_count(bytes: &[u8]) -> Result<u32, MeshError> {
 
 /// Reads one shape of a serialized file; the first one has the index 0.
 ///
-/// Vertex colours become the attribute `vertex_color` with three channels. A shape that is marked to be
-/// shaded flat gets separate vertices for each triangle, with its normal, so that nobody takes it
-/// for one that lacks normals.
+/// Vertex colours become the attribute `vertex_color` with three channels. A shape that is marked
+/// to be shaded flat gets separate vertices for each triangle, with its normal, so that nobody
+/// takes it for one that lacks normals.
 ///
 /// # Errors
 ///
-/// [`MeshErrorKind::Syntax`](crate::MeshErrorKind::Syntax) where the file or the compressed data is damaged,
-/// [`Unsupported`](crate::MeshErrorKind::Unsupported) for another version,
+/// [`MeshErrorKind::Syntax`](crate::MeshErrorKind::Syntax) where the file or the compressed data is
+/// damaged, [`Unsupported`](crate::MeshErrorKind::Unsupported) for another version,
 /// [`OutOfRange`](crate::MeshErrorKind::OutOfRange) for a shape or vertex that does not exist,
 /// [`Truncated`](crate::MeshErrorKind::Truncated) where the file or the shape ends early,
-/// [`NonFinite`](crate::MeshErrorKind::NonFinite) for a number that single precision does not hold, and
-/// [`Limit`](crate::MeshErrorKind::Limit) for more than 2³² − 2 vertices.
+/// [`NonFinite`](crate::MeshErrorKind::NonFinite) for a number that single precision does not hold,
+/// and [`Limit`](crate::MeshErrorKind::Limit) for more than 2³² − 2 vertices.
 pub fn read_serialized(bytes: &[u8], shape_index: u32) -> Result<TriangleMesh, MeshError> {
     let shape = Dictionary::read(bytes)?.shape(shape_index)?;
     let mut inflater = Inflater::new(shape.compressed, shape.offset);
@@ -95,8 +95,8 @@ fn read_arrays(
 ) -> Result<TriangleMesh, MeshError> {
     let has = |bit: u32| flags & bit != 0;
     let is_double = has(flag::DOUBLE_PRECISION);
-    let mut mesh = TriangleMesh::default();
-    mesh.positions = read_vectors(inflater, counts.vertices, is_double)?;
+    let positions = read_vectors(inflater, counts.vertices, is_double)?;
+    let mut mesh = TriangleMesh { positions, ..TriangleMesh::default() };
     if has(flag::NORMALS) {
         mesh.normals = read_vectors(inflater, counts.vertices, is_double)?;
     }

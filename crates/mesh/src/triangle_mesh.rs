@@ -145,7 +145,7 @@ impl TriangleMesh {
             Some(face) => Err(MeshError::new(
                 MeshErrorKind::OutOfRange,
                 format!(
-                    "triangle {face} has the corners {:?}, but there are only {vertex_count} vertices",
+                    "triangle {face} has the corners {:?}, but there are {vertex_count} vertices",
                     self.indices[face]
                 ),
             )),

@@ -154,7 +154,8 @@ fn numbers_that_single_precision_does_not_hold_are_refused_but_not_in_normals() 
 fn what_is_left_out_is_counted() {
     let read = read(&format!(
         "mtllib a.mtl\r\no Küche\r\no second\r\ng x y\r\ns off\r\nusemtl a\r\n{TRIANGLE}\
-         v 1 1 1 0.5 0.5 0.5\nf 1 2 3\nusemtl b\nl 1 2 \\\n 3\np 1\nf 1 2\nzorro 7 \\\n8\ncstype bezier\n"
+         v 1 1 1 0.5 0.5 0.5\nf 1 2 3\nusemtl b\nl 1 2 \\\n 3\np 1\nf 1 2\n\
+         zorro 7 \\\n8\ncstype bezier\n"
     ));
     assert_eq!(read.mesh.name, "Küche");
     assert_eq!(read.mesh.indices.len(), 1);
@@ -190,6 +191,30 @@ fn line_ends_marks_and_empty_files_do_not_matter() {
     }
     assert_eq!(read("").mesh, TriangleMesh::default());
     assert_eq!(read("# nothing\ng a").mesh, TriangleMesh::default());
+}
+
+/// What would take hours if looking up a corner, splitting a polygon or going back for vertices
+/// that come later took quadratic time.
+#[test]
+fn large_files_made_to_be_slow_take_no_quadratic_time() {
+    const COUNT: usize = 300_000;
+    let mut one_position = TRIANGLE.to_owned();
+    let mut one_polygon = String::from("f");
+    let mut all_ahead = String::new();
+    for number in 1..=COUNT {
+        one_position.push_str(&format!("vn 0 {number} 1\nf 1//{number} 2 3\n"));
+        one_polygon.push_str(&format!(" {}", number % 3 + 1));
+        all_ahead.push_str("f 1 2 3\n");
+    }
+    one_polygon.insert_str(0, TRIANGLE);
+    all_ahead.push_str(TRIANGLE);
+    let counts = |text: &str| {
+        let mesh = read(text).mesh;
+        (mesh.positions.len(), mesh.indices.len())
+    };
+    assert_eq!(counts(&one_position), (COUNT + 2, COUNT));
+    assert_eq!(counts(&one_polygon), (3, COUNT - 2));
+    assert_eq!(counts(&all_ahead), (3, COUNT));
 }
 
 fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
@@ -230,21 +255,26 @@ proptest! {
     }
 
     #[test]
-    fn a_cut_or_damaged_file_never_panics(mesh in any_mesh(), place in any::<prop::sample::Index>(), byte in any::<u8>()) {
+    fn a_cut_or_damaged_file_never_panics(
+        mesh in any_mesh(),
+        place in any::<prop::sample::Index>(),
+        byte in any::<u8>(),
+    ) {
         let mut bytes = write_obj(&mesh);
         let place = place.index(bytes.len());
-        for result in [
-            read_obj(&bytes[..place], &ObjOptions::default()),
-            { bytes[place] = byte; read_obj(&bytes, &ObjOptions::default()) },
-        ] {
-            if let Ok(read) = result {
-                prop_assert_eq!(read.mesh.validate(), Ok(()));
-            }
+        let cut = read_obj(&bytes[..place], &ObjOptions::default());
+        bytes[place] = byte;
+        let damaged = read_obj(&bytes, &ObjOptions::default());
+        for read in [cut, damaged].into_iter().flatten() {
+            prop_assert_eq!(read.mesh.validate(), Ok(()));
         }
     }
 
     #[test]
-    fn noise_never_panics(text in "([vfnto/ 0-9e.\\\\\\r\\n#-]|v |f |vn |vt ){0,200}", bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+    fn noise_never_panics(
+        text in "([vfnto/ 0-9e.\\\\\\r\\n#-]|v |f |vn |vt ){0,200}",
+        bytes in prop::collection::vec(any::<u8>(), 0..200),
+    ) {
         for noise in [text.as_bytes(), &bytes] {
             if let Ok(read) = read_obj(noise, &ObjOptions::default()) {
                 prop_assert_eq!(read.mesh.validate(), Ok(()));

@@ -214,7 +214,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn cut_or_damaged_files_never_panic(version in 3_u16..5, flags in 0_u32..32, cut in any::<prop::sample::Index>(), place in any::<prop::sample::Index>(), byte in any::<u8>()) {
+    fn cut_or_damaged_files_never_panic(
+        version in 3_u16..5,
+        flags in 0_u32..32,
+        cut in any::<prop::sample::Index>(),
+        place in any::<prop::sample::Index>(),
+        byte in any::<u8>(),
+    ) {
         let mut bytes = file_of(version, &shape(SINGLE | flags));
         let cut = cut.index(bytes.len());
         prop_assert!(read_serialized(&bytes[..cut], 0).is_err());
@@ -225,7 +231,10 @@ proptest! {
     }
 
     #[test]
-    fn noise_never_panics(noise in prop::collection::vec(any::<u8>(), 0..300), index in any::<u32>()) {
+    fn noise_never_panics(
+        noise in prop::collection::vec(any::<u8>(), 0..300),
+        index in any::<u32>(),
+    ) {
         let mut bytes = vec![0x1C, 0x04, 0x04, 0x00];
         bytes.extend(noise);
         prop_assert!(read_serialized(&bytes, index).is_err());

@@ -314,8 +314,8 @@ impl Reader {
     }
 }
 
-/// The elements of `list` at `picks`, and zero for [`NONE`]; empty where all are that. Takes the list as it is
-/// where the picks are just its elements in order.
+/// The elements of `list` at `picks`, and zero for [`NONE`]; empty where all are that. Takes the
+/// list as it is where the picks are just its elements in order.
 fn gather<T: Copy + Default>(mut list: Vec<T>, picks: impl Iterator<Item = u32> + Clone) -> Vec<T> {
     let in_order = picks.clone().zip(0..).take_while(|&(pick, place)| pick == place).count();
     let pick_count = picks.clone().count();

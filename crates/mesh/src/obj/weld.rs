@@ -7,8 +7,8 @@ use std::collections::HashMap;
 /// The index that stands for none.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Vertices at one position that are looked up one after the other; further ones are hashed, so that a
-/// file with a million normals at one position takes no quadratic time.
+/// Vertices at one position that are looked up one after the other; further ones are hashed, so
+/// that a file with a million normals at one position takes no quadratic time.
 const LONGEST_CHAIN: u32 = 16;
 
 /// The corner of a face: indices into the file's three lists, counted from zero.

@@ -64,8 +64,8 @@ impl ScalarType {
         }
     }
 
-    /// The whole number at the start of `bytes`. `None` where they are too few or the type is not one of whole
-    /// numbers.
+    /// The whole number at the start of `bytes`. `None` where they are too few or the type is not
+    /// one of whole numbers.
     #[inline]
     pub(super) fn read_integer(self, bytes: &[u8], order: ByteOrder) -> Option<i64> {
         match self {

@@ -2,9 +2,9 @@
 
 use crate::triangle_mesh::{Attribute, AttributeDomain, TriangleMesh};
 
-/// The mesh as a binary little-endian PLY file. Attributes are written as Mitsuba 3 writes them: the channels of
-/// `vertex_foo` are the properties `foo_0`, `foo_1`, … of the vertices. The name of the mesh is
-/// left out: PLY has no place for it.
+/// The mesh as a binary little-endian PLY file. Attributes are written as Mitsuba 3 writes them:
+/// the channels of `vertex_foo` are the properties `foo_0`, `foo_1`, … of the vertices. The name of
+/// the mesh is left out: PLY has no place for it.
 ///
 /// # Panics
 ///
