@@ -1,6 +1,6 @@
 //! Linear RGB triples: what metrics and tone mapping work on.
 
-use crate::ImageError;
+use crate::{ImageError, ToneMap, exposure_scale};
 
 /// Linear RGB, one triple per pixel, the top row first.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +14,17 @@ pub struct ColorImage {
 }
 
 impl ColorImage {
+    /// The image as a display shows it, linear still: exposed by some stops, tone mapped, and
+    /// clamped to [0, 1]. For [`flip`](crate::metrics::flip).
+    pub fn to_display(&self, tone_map: ToneMap, exposure: f32) -> Self {
+        let scale = exposure_scale(exposure);
+        let show = |pixel: &[f32; 3]| {
+            tone_map.apply(pixel.map(|value| value * scale)).map(|value| value.clamp(0.0, 1.0))
+        };
+        let pixels = self.pixels.iter().map(show).collect();
+        Self { width: self.width, height: self.height, pixels }
+    }
+
     /// Checks that this image and its reference have the same size and as many pixels as they say.
     ///
     /// # Errors
@@ -32,5 +43,18 @@ impl ColorImage {
             return Err(ImageError::invalid_picture("the image has no pixels"));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn displays_expose_before_they_clamp() {
+        let image = ColorImage { width: 1, height: 1, pixels: vec![[0.25, 0.75, -1.0]] };
+        assert_eq!(image.to_display(ToneMap::None, 1.0).pixels, vec![[0.5, 1.0, 0.0]]);
+        let mapped = image.to_display(ToneMap::Agx, 1.0).pixels[0];
+        assert_eq!(mapped, ToneMap::Agx.apply([0.5, 1.5, -2.0]));
     }
 }

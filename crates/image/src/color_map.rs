@@ -1,5 +1,7 @@
 //! A colour map for maps of errors: black over violet, red and orange to pale yellow.
 
+use crate::numeric::clamp_number;
+
 /// Lightness of the first and the last colour.
 const LIGHTNESS: [f32; 2] = [0.08, 0.97];
 /// Hue of the first and the last colour, in degrees: from violet through red to yellow.
@@ -13,8 +15,7 @@ const LARGEST_CHROMA: f32 = 0.19;
 /// In Oklab (Ottosson, "A perceptual color space for image processing", 2020), lightness and hue
 /// change evenly, so that equal steps of the value look equal, also without colour.
 pub fn heat(value: f32) -> [f32; 3] {
-    // Unlike `clamp`, `max` replaces NaN.
-    let t = value.max(0.0).min(1.0);
+    let t = clamp_number(value, 0.0, 1.0);
     let mix = |range: [f32; 2]| range[0] + (range[1] - range[0]) * t;
     let chroma = LARGEST_CHROMA * (std::f32::consts::PI * (0.12 + 0.76 * t)).sin();
     let (sine, cosine) = mix(HUE).to_radians().sin_cos();

@@ -34,8 +34,7 @@ impl FileFormat {
     /// The format that files with this extension (without its dot, in any case) are written in.
     pub fn from_extension(extension: &str) -> Option<Self> {
         let matches = |known: &&str| known.eq_ignore_ascii_case(extension);
-        let found =
-            EXTENSIONS.iter().find(|(_, extensions)| extensions.iter().any(|e| matches(&e)));
+        let found = EXTENSIONS.iter().find(|(_, extensions)| extensions.iter().any(matches));
         found.map(|(format, _)| *format)
     }
 

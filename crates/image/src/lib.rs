@@ -21,6 +21,7 @@ mod error;
 mod format;
 mod limits;
 pub mod metrics;
+mod numeric;
 mod picture;
 pub mod srgb;
 mod tone_map;

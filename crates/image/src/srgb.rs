@@ -2,6 +2,8 @@
 
 use std::sync::LazyLock;
 
+use crate::numeric::clamp_number;
+
 /// Encodes a linear value, one being white. Zero and above follow the standard also beyond one;
 /// negative values are mirrored at zero.
 pub fn linear_to_srgb(linear: f32) -> f32 {
@@ -43,8 +45,7 @@ pub fn linear_of_srgb_u8() -> &'static [f32; 256] {
 /// short that at most one threshold lies in it, and a comparison with that does the rest.
 pub fn linear_to_srgb_u8(linear: f32) -> u8 {
     let encoder = &*U8_ENCODER;
-    // Unlike `clamp`, `max` replaces NaN.
-    let clamped = linear.max(LEAST).min(GREATEST);
+    let clamped = clamp_number(linear, LEAST, GREATEST);
     let interval = (clamped.to_bits() >> INTERVAL_SHIFT) - FIRST_INTERVAL;
     let code = encoder.first_codes[interval as usize];
     code + u8::from(clamped >= encoder.thresholds[usize::from(code)])

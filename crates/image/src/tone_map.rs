@@ -1,5 +1,7 @@
 //! Exposure and tone mapping: from unbounded linear values to those a display can show.
 
+use crate::numeric::{Matrix, multiply};
+
 /// How an unbounded range of linear values is brought into [0, 1].
 ///
 /// The result is linear again, relative to the display's white: sRGB encoding comes after.
@@ -34,9 +36,6 @@ impl ToneMap {
         }
     }
 }
-
-/// A 3 × 3 matrix of rows.
-type Matrix = [[f32; 3]; 3];
 
 /// From BT.709 to the rendering transform's space, desaturated.
 const ACES_INPUT: Matrix = [
@@ -109,10 +108,6 @@ fn hable(x: f32) -> f32 {
     // The ratio's limit is reached long before its quadratics overflow.
     let x = x.min(1e6);
     (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f
-}
-
-fn multiply(matrix: &Matrix, vector: [f32; 3]) -> [f32; 3] {
-    matrix.map(|row| row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2])
 }
 
 #[cfg(test)]

@@ -2,8 +2,10 @@
 
 use etendue_image::{
     BitDepth, EncodeOptions, ExrCompression, ExrPrecision, FileFormat, MetadataValue, Picture,
-    Samples, Window, decode, decode_exr_layers, decode_picture, encode,
+    Samples, ToneMap, Window, decode, decode_exr_layers, decode_picture, encode,
 };
+
+use proptest::prelude::*;
 
 /// A picture of 37 × 21 pixels (no multiple of any block) whose channels hold smooth ramps, each
 /// with values of its own.
@@ -159,4 +161,97 @@ fn jpeg_is_near_and_nearer_with_more_quality() {
         assert!(low > default && default > best, "{low} {default} {best}");
         assert!(default < 2.0, "{default}");
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Any bits survive: NaN with payload, infinities, negative zero.
+    #[test]
+    fn exr_keeps_any_bits_of_any_size(
+        width in 1_u32..70,
+        height in 1_u32..40,
+        channel_count in 1_usize..5,
+        seed in any::<u32>(),
+        is_compressed in any::<bool>(),
+    ) {
+        let mut picture = Picture::new(width, height);
+        let mut state = seed;
+        for channel in 0..channel_count {
+            let data = (0..width * height).map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                // Every other value is smooth, so that compression finds something to do.
+                f32::from_bits(if state & 0x10_0000 == 0 { state } else { 0x3f80_0000 })
+            });
+            picture.push(format!("c{channel}.X"), data.collect());
+        }
+        let exr_compression =
+            if is_compressed { ExrCompression::Zip } else { ExrCompression::None };
+        let options = EncodeOptions { exr_compression, ..EncodeOptions::default() };
+        let bytes = encode(&picture, FileFormat::Exr, &options).unwrap();
+        let read = decode_exr_layers(&bytes).unwrap();
+        prop_assert_eq!(read.channels.len(), channel_count);
+        for (read, written) in read.channels.iter().zip(&picture.channels) {
+            prop_assert_eq!(&read.name, &written.name);
+            let bits = |data: &[f32]| data.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(&read.data), bits(&written.data));
+        }
+    }
+}
+
+/// Alpha of one half: premultiplied colours are divided by it, those of nothing stay.
+#[test]
+fn png_alpha_is_not_premultiplied() {
+    let mut picture = Picture::new(2, 1);
+    for name in ["R", "G", "B"] {
+        picture.push(name, vec![0.25, 0.25]);
+    }
+    picture.push("A", vec![0.5, 0.0]);
+    let options = EncodeOptions { bit_depth: BitDepth::Sixteen, ..EncodeOptions::default() };
+    let bytes = encode(&picture, FileFormat::Png, &options).unwrap();
+    let linear = decode(&bytes, "").unwrap().to_linear();
+    let expected = [0.5, 0.5, 0.5, 0.5, 0.25, 0.25, 0.25, 0.0];
+    assert!(largest_difference(&linear, &expected) < 2e-5, "{linear:?}");
+}
+
+#[test]
+fn exposure_and_tone_map_reach_display_formats_only() {
+    let picture = ramps(&["R", "G", "B"]);
+    let options =
+        EncodeOptions { exposure: 1.0, tone_map: ToneMap::Agx, ..EncodeOptions::default() };
+    for format in FileFormat::all() {
+        let plain = encode(&picture, format, &EncodeOptions::default()).unwrap();
+        let mapped = encode(&picture, format, &options).unwrap();
+        assert_eq!(plain == mapped, format.is_linear(), "{format:?}");
+    }
+    let bytes = encode(&picture, FileFormat::Png, &options).unwrap();
+    let shown = picture.to_color_image().unwrap().to_display(ToneMap::Agx, 1.0);
+    let read = decode(&bytes, "").unwrap().to_color_image();
+    let flat = |image: &etendue_image::ColorImage| image.pixels.as_flattened().to_vec();
+    assert!(largest_difference(&flat(&read), &flat(&shown)) < 0.005);
+}
+
+#[test]
+fn pictures_that_do_not_fit_are_refused() {
+    let options = EncodeOptions::default();
+    let refuse = |picture: &Picture, format, expected: &str| {
+        let error = encode(picture, format, &options).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    };
+    refuse(&Picture::new(2, 2), FileFormat::Exr, "no channels");
+    refuse(&Picture::new(2, 2), FileFormat::Png, "neither colour nor grey");
+    refuse(&ramps(&["normal.X", "depth.Z"]), FileFormat::Png, "only: normal.X, depth.Z");
+    refuse(&ramps(&["R\0"]), FileFormat::Exr, "no name for a channel");
+    refuse(&ramps(&[""]), FileFormat::Exr, "no name for a channel");
+    let mut picture = ramps(&["R"]);
+    picture.metadata.push(("tiles".into(), MetadataValue::Integer(1)));
+    refuse(&picture, FileFormat::Exr, "'tiles' describes the file itself");
+    picture.metadata[0].0 = "x".repeat(256);
+    refuse(&picture, FileFormat::Exr, "no name for an attribute");
+    let mut picture = ramps(&["R"]);
+    picture.data_origin = [i32::MAX, 0];
+    refuse(&picture, FileFormat::Exr, "32-bit coordinates");
+    let mut picture = Picture::new(70_000, 1);
+    picture.push("Y", vec![0.0; 70_000]);
+    assert!(encode(&picture, FileFormat::Jpeg, &options).is_err());
 }

@@ -103,10 +103,10 @@ impl Layout<'_> {
             return Err(ImageError::invalid_picture("a block of rows takes more than 2 GiB"));
         }
         for channel in &self.picture.channels {
-            check_name("channel", &channel.name)?;
+            check_name("a channel", &channel.name)?;
         }
         for (name, _) in &self.picture.metadata {
-            check_name("attribute", name)?;
+            check_name("an attribute", name)?;
             if STRUCTURAL.contains(&name.as_str()) {
                 let message = format!("the attribute '{name}' describes the file itself");
                 return Err(ImageError::invalid_picture(message));
@@ -241,8 +241,7 @@ impl Layout<'_> {
 /// Checks a name's length and that it holds no zero byte, which would end it.
 fn check_name(what: &str, name: &str) -> Result<(), ImageError> {
     if name.is_empty() || name.len() > LONGEST_NAME || name.contains('\0') {
-        let message =
-            format!("{name:?} is no name for a {what}: 1 to 255 bytes, none of them zero");
+        let message = format!("{name:?} is no name for {what}: 1 to 255 bytes, none of them zero");
         return Err(ImageError::invalid_picture(message));
     }
     Ok(())

@@ -8,6 +8,7 @@
 use rayon::prelude::*;
 
 use super::{ErrorMap, is_finite};
+use crate::numeric::{Matrix, clamp_number, multiply};
 use crate::{ColorImage, ImageError};
 
 /// Pixels per degree of visual angle for a 0.7 m wide display of 3840 pixels seen from 0.7 m
@@ -26,14 +27,14 @@ const KNEE_OUTPUT: f32 = 0.95;
 const FEATURE_WIDTH: f32 = 0.082;
 
 /// CIE XYZ of linear BT.709, as ratios whose rows add up to the white point below.
-const XYZ_OF_RGB: [[f32; 3]; 3] = [
+const XYZ_OF_RGB: Matrix = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 
 /// The inverse of [`XYZ_OF_RGB`].
-const RGB_OF_XYZ: [[f32; 3]; 3] = [
+const RGB_OF_XYZ: Matrix = [
     [3.241_003_2, -1.537_399, -0.498_615_9],
     [-0.969_224_3, 1.875_93, 0.041_554_2],
     [0.055_639_4, -0.204_011_2, 1.057_149],
@@ -88,10 +89,8 @@ struct Plane {
 
 /// The clamped image in YCxCz, channel by channel. NaN becomes black.
 fn opponent_planes(image: &ColorImage) -> [Plane; 3] {
-    let convert = |pixel: &[f32; 3]| {
-        // Unlike `clamp`, `max` replaces NaN.
-        opponent_of_rgb(pixel.map(|value| value.max(0.0).min(1.0)))
-    };
+    let convert =
+        |pixel: &[f32; 3]| opponent_of_rgb(pixel.map(|value| clamp_number(value, 0.0, 1.0)));
     let pixels: Vec<[f32; 3]> = image.pixels.par_iter().map(convert).collect();
     [0, 1, 2].map(|channel| Plane {
         width: image.width as usize,
@@ -273,8 +272,4 @@ fn rgb_of_opponent([luminance, red_green, blue_yellow]: [f32; 3]) -> [f32; 3] {
 fn relative_xyz(rgb: [f32; 3]) -> [f32; 3] {
     let xyz = multiply(&XYZ_OF_RGB, rgb);
     std::array::from_fn(|axis| xyz[axis] / WHITE[axis])
-}
-
-fn multiply(matrix: &[[f32; 3]; 3], vector: [f32; 3]) -> [f32; 3] {
-    matrix.map(|row| row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2])
 }
