@@ -1,0 +1,107 @@
+//! Directions uniform in a cone about +z, given by 1 − cos of its half angle.
+//!
+//! That difference, not the cosine, is the parameter: the cosine of a small angle has no digits
+//! left in single precision (the sun's half angle of 0.27° has 1 − cosθ = 1.1·10⁻⁵).
+
+use super::concentric_disk;
+use etendue_math::safe_sqrt;
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// 1 − cos of `angle` (radians), accurate however small the angle is.
+#[inline]
+#[must_use]
+pub fn one_minus_cosine(angle: f32) -> f32 {
+    let sine = (0.5 * angle).sin();
+    2.0 * sine * sine
+}
+
+/// A uniform direction in the cone; `one_minus_cosine` in (0, 2] is the cone's 1 − cosθ.
+///
+/// A disk lifted to the cap in a way that keeps areas: r² is the share of 1 − cosθ.
+#[inline]
+#[must_use]
+pub fn sample(uniform: Vec2, one_minus_cosine: f32) -> Vec3 {
+    let disk = concentric_disk::sample(uniform);
+    let height = disk.length_squared().min(1.0) * one_minus_cosine;
+    let scale = safe_sqrt(one_minus_cosine * (2.0 - height));
+    (disk * scale).extend(1.0 - height)
+}
+
+/// The density per solid angle: the cone's solid angle is 2π(1 − cosθ).
+#[inline]
+#[must_use]
+pub fn pdf(direction: Vec3, one_minus_cosine: f32) -> f32 {
+    // The rim is widened by the rounding of `sample`, so that every sample has a density.
+    let rim = one_minus_cosine * (1.0 + 8.0 * f32::EPSILON) + 4.0 * rounding(one_minus_cosine);
+    if height(direction) <= rim { 0.5 * FRAC_1_PI / one_minus_cosine } else { 0.0 }
+}
+
+/// The uniform numbers behind a direction of the cone.
+#[inline]
+#[must_use]
+pub fn invert(direction: Vec3, one_minus_cosine: f32) -> Vec2 {
+    let height = height(direction);
+    let scale = safe_sqrt(one_minus_cosine * (2.0 - height));
+    let planar = direction.truncate();
+    // Opposite the axis the disk's rim is one direction: any of its points will do.
+    concentric_disk::invert(if scale > 0.0 { planar / scale } else { Vec2::X })
+}
+
+/// 1 − cos of the direction's angle to +z, without cancellation.
+#[inline]
+fn height(direction: Vec3) -> f32 {
+    if direction.z > 0.0 {
+        direction.truncate().length_squared() / (1.0 + direction.z)
+    } else {
+        1.0 - direction.z
+    }
+}
+
+/// The absolute rounding of a unit vector shows below the equator only.
+#[inline]
+fn rounding(one_minus_cosine: f32) -> f32 {
+    if one_minus_cosine < 1.0 { 0.0 } else { f32::EPSILON }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warp::test_support::assert_round_trip;
+    use etendue_testkit::{ChiSquare, z_test};
+
+    const ANGLES: [f32; 5] = [1e-4, 0.004_7, 0.3, 1.6, 3.0];
+
+    #[test]
+    fn samples_follow_the_density() {
+        for angle in ANGLES {
+            let cap = one_minus_cosine(angle);
+            ChiSquare::one_of(5)
+                .sphere(|random| Some(sample(random.next_vec2(), cap)), |w| pdf(w, cap))
+                .assert();
+        }
+    }
+
+    #[test]
+    fn small_cones_are_evenly_filled() {
+        // In a small cone, x²+y² is uniform up to the squared sine of the half angle.
+        for angle in [1e-6_f32, 1e-3] {
+            let cap = one_minus_cosine(angle);
+            assert!((cap / (0.5 * angle * angle) - 1.0).abs() < 1e-6);
+            let mut random = etendue_testkit::TestRng::new(3);
+            let shares = (0..100_000).map(|_| {
+                let direction = sample(random.next_vec2(), cap);
+                f64::from(direction.truncate().length_squared() / (angle * angle))
+            });
+            assert!(z_test(&shares.collect(), 0.5, 1.0 / 12.0).accepts(1e-3));
+        }
+    }
+
+    #[test]
+    fn the_inverse_undoes_the_map() {
+        for angle in [1e-4, 0.004_7, 0.3, 1.6] {
+            let cap = one_minus_cosine(angle);
+            assert_round_trip(|u| sample(u, cap), |w| invert(w, cap), 1e-5);
+        }
+    }
+}

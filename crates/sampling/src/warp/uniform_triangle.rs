@@ -1,0 +1,57 @@
+//! Points uniform in a triangle, as barycentric coordinates.
+//!
+//! Heitz, *A Low-Distortion Map Between Triangle and Square*, 2019: the square is folded along its
+//! diagonal, without the crowding at a vertex that the square-root map has.
+
+use crate::hash::ONE_MINUS_EPSILON;
+use glam::Vec2;
+
+/// The barycentric coordinates of two vertices, both ≥ 0 with a sum ≤ 1; the third is the rest.
+#[inline]
+#[must_use]
+pub fn sample(uniform: Vec2) -> Vec2 {
+    if uniform.y > uniform.x {
+        let x = 0.5 * uniform.x;
+        Vec2::new(x, uniform.y - x)
+    } else {
+        let y = 0.5 * uniform.y;
+        Vec2::new(uniform.x - y, y)
+    }
+}
+
+/// The density in the plane of the two coordinates: 2 inside. (Per area: one over the triangle's.)
+#[inline]
+#[must_use]
+pub fn pdf(coordinates: Vec2) -> f32 {
+    let inside = coordinates.min_element() >= 0.0 && coordinates.element_sum() <= 1.0;
+    if inside { 2.0 } else { 0.0 }
+}
+
+/// The uniform numbers behind barycentric coordinates.
+#[inline]
+#[must_use]
+pub fn invert(coordinates: Vec2) -> Vec2 {
+    let uniform = if coordinates.y > coordinates.x {
+        Vec2::new(2.0 * coordinates.x, coordinates.x + coordinates.y)
+    } else {
+        Vec2::new(coordinates.x + coordinates.y, 2.0 * coordinates.y)
+    };
+    uniform.clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warp::test_support::assert_round_trip;
+    use etendue_testkit::ChiSquare;
+
+    #[test]
+    fn samples_follow_the_density() {
+        ChiSquare::default().square(|random| Some(sample(random.next_vec2())), pdf).assert();
+    }
+
+    #[test]
+    fn the_inverse_undoes_the_map() {
+        assert_round_trip(sample, invert, 1e-6);
+    }
+}
