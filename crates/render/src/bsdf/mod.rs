@@ -17,10 +17,13 @@
 
 pub mod blendbsdf;
 pub mod bumpmap;
+mod coat;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+mod erf;
 pub mod fresnel;
+mod inputs;
 pub mod mask;
 pub mod microfacet;
 pub mod normalmap;
@@ -35,7 +38,7 @@ pub mod twosided;
 
 mod prepared;
 
-pub use prepared::{Bsdf, Gather, Materials, Placement};
+pub use prepared::{Bsdf, Gather, Material, Materials, Placement};
 
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};

@@ -139,11 +139,14 @@ pub struct Placement {
     turned: Option<Frame>,
     /// Whether the closure lies face down: its z axis is the negative one.
     flipped: bool,
+    /// How strongly light fades out towards the horizon of the shading frame, where a bump or
+    /// normal map has turned the closure: a squared roughness. Zero where it does not.
+    shadowing: f32,
 }
 
 impl Placement {
     /// The closure is all there is, and its frame is the shading frame.
-    pub const PLAIN: Self = Self { weight: 1.0, turned: None, flipped: false };
+    pub const PLAIN: Self = Self { weight: 1.0, turned: None, flipped: false, shadowing: 0.0 };
 
     /// The same place with a share of the weight.
     #[must_use]
@@ -167,6 +170,36 @@ impl Placement {
         };
         let turned = Frame { s: back(frame.s), t: back(frame.t), n: back(frame.n) };
         Self { turned: Some(turned), flipped: false, ..self }
+    }
+
+    /// The place with light fading out towards the horizon, as bumps of the normal `normal`, which
+    /// is in this place's coordinates before it was turned, would shadow it.
+    ///
+    /// Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem",
+    /// *Ray Tracing Gems*, 2019, chapter 12.
+    #[must_use]
+    pub fn shadowed(self, normal: Vec3) -> Self {
+        let cos2 = normal.z * normal.z;
+        let tan2 = normal.truncate().length_squared() / cos2.max(f32::MIN_POSITIVE);
+        // Of a map on a map the steeper one counts; they are rare, and their product is rarer seen.
+        Self { shadowing: self.shadowing.max((0.125 * tan2).min(1.0)), ..self }
+    }
+
+    /// The factor by which bumps shadow the shading direction `wo`.
+    #[inline]
+    fn shadow(&self, wo: Vec3) -> f32 {
+        if self.shadowing == 0.0 {
+            return 1.0;
+        }
+        let tan2 = wo.truncate().length_squared() / (wo.z * wo.z);
+        2.0 / (1.0 + (1.0 + self.shadowing * tan2).sqrt())
+    }
+
+    /// The frame that bump and normal maps have turned this place into, in shading coordinates.
+    /// Lying face down does not change it: a map means the same on both sides of a surface.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
+        self.turned.unwrap_or(Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z })
     }
 
     /// Shading to the closure's coordinates.
@@ -214,7 +247,8 @@ impl Leaf<'_> {
         if !self.placement.agrees(wo, local_wo) {
             return (Spectrum::ZERO, 0.0);
         }
-        self.closure.eval_pdf(local_wi, local_wo, transport)
+        let (value, pdf) = self.closure.eval_pdf(local_wi, local_wo, transport);
+        (value * self.placement.shadow(wo), pdf)
     }
 
     #[inline]
@@ -225,10 +259,14 @@ impl Leaf<'_> {
         direction: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        let sample = self.closure.sample(self.placement.to_closure(wi), lobe, direction, transport)?;
+        let sample =
+            self.closure.sample(self.placement.to_closure(wi), lobe, direction, transport)?;
         let wo = self.placement.to_shading(sample.wo);
-        (sample.lobe == Lobe::Null || self.placement.agrees(wo, sample.wo))
-            .then_some(BsdfSample { wo, ..sample })
+        if sample.lobe == Lobe::Null {
+            return Some(BsdfSample { wo, ..sample });
+        }
+        let weight = sample.weight * self.placement.shadow(wo);
+        self.placement.agrees(wo, sample.wo).then_some(BsdfSample { wo, weight, ..sample })
     }
 }
 

@@ -1,0 +1,56 @@
+//! `blendbsdf`: a mixture of two materials.
+
+use super::inputs::{nested, scalar_within};
+use super::{Bsdf, Gather, Placement};
+use crate::builder::Builder;
+use crate::ids::MaterialId;
+use crate::manual::{Manual, parameter};
+use crate::texture::ScalarSource;
+use etendue_document::Parameters;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Mixes two materials, by a number or a texture.",
+    parameters: &[
+        parameter(
+            "weight",
+            "float or texture",
+            "0.5",
+            "The share of the second material: 0 is the first one alone, 1 the second.",
+        ),
+        parameter("(nested)", "bsdf", "", "The first material."),
+        parameter("(nested)", "bsdf", "", "The second material."),
+    ],
+    sample: r#"<bsdf type="blendbsdf">
+    <float name="weight" value="0.2"/>
+    <bsdf type="diffuse"/>
+    <bsdf type="roughconductor"/>
+</bsdf>"#,
+};
+
+/// A mixture of two materials.
+#[derive(Clone, Copy, Debug)]
+pub struct BlendBsdf {
+    weight: ScalarSource,
+    pub(super) nested: [MaterialId; 2],
+}
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<BlendBsdf> {
+    let weight = scalar_within(builder, parameters, "weight", 0.5, 0.0..=1.0);
+    let nested = nested(builder, parameters, 2..=2)?;
+    Some(BlendBsdf { weight, nested: [nested[0], nested[1]] })
+}
+
+impl BlendBsdf {
+    /// Adds the closures of both materials with their shares.
+    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+        // In this order a NaN becomes zero.
+        let weight = self.weight.eval(gather.textures, gather.surface).max(0.0).min(1.0);
+        for (nested, share) in self.nested.into_iter().zip([1.0 - weight, weight]) {
+            if share > 0.0 {
+                gather.materials.gather(nested, gather, placement.scaled(share), bsdf);
+            }
+        }
+    }
+}

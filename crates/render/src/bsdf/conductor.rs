@@ -1,0 +1,128 @@
+//! `conductor`: a smooth metal.
+
+use super::inputs::{MetalIndex, reflectance};
+use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, ParameterManual, parameter};
+use crate::texture::{ColorSource, Textures};
+use etendue_document::Parameters;
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+
+/// The parameters of the complex index, which the rough metal has too.
+pub(super) const MATERIAL: ParameterManual = parameter(
+    "material",
+    "string",
+    "none",
+    "A measured metal, such as `Au`, `Ag`, `Al`, `Cu`; `none` is a perfect mirror.",
+);
+/// See [`MATERIAL`].
+pub(super) const ETA: ParameterManual = parameter(
+    "eta",
+    "spectrum or texture",
+    "",
+    "The real part of the index of refraction, instead of a `material`.",
+);
+/// See [`MATERIAL`].
+pub(super) const K: ParameterManual = parameter(
+    "k",
+    "spectrum or texture",
+    "",
+    "The imaginary part of the index of refraction, instead of a `material`.",
+);
+/// See [`MATERIAL`].
+pub(super) const EXT_ETA: ParameterManual = parameter(
+    "ext_eta",
+    "float or string",
+    "",
+    "The index of refraction of what is around the metal, a number or a name; `eta` and `k` are \
+     divided by it. Vacuum where it is not given.",
+);
+/// The factor on the reflection that most materials have.
+pub(super) const SPECULAR_REFLECTANCE: ParameterManual = parameter(
+    "specular_reflectance",
+    "spectrum or texture",
+    "1",
+    "A factor on the specular reflection. Real surfaces have 1.",
+);
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A polished metal, or a perfect mirror. Black from behind; see `twosided`.",
+    parameters: &[MATERIAL, ETA, K, EXT_ETA, SPECULAR_REFLECTANCE],
+    sample: r#"<bsdf type="conductor">
+    <string name="material" value="Au"/>
+</bsdf>"#,
+};
+
+/// A smooth metal.
+#[derive(Clone, Copy, Debug)]
+pub struct Conductor {
+    index: MetalIndex,
+    specular_reflectance: ColorSource,
+}
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Conductor> {
+    let index = MetalIndex::read(builder, parameters);
+    let specular_reflectance = reflectance(builder, parameters, "specular_reflectance", 1.0);
+    Some(Conductor { index, specular_reflectance })
+}
+
+impl Conductor {
+    /// Reads the textures at a hit.
+    #[inline]
+    #[must_use]
+    pub fn resolve(
+        &self,
+        textures: Textures<'_>,
+        surface: &SurfaceInteraction,
+    ) -> ConductorClosure {
+        let [eta, k] = self.index.resolve(textures, surface);
+        ConductorClosure { eta, k, specular: self.specular_reflectance.eval(textures, surface) }
+    }
+}
+
+/// A resolved smooth metal.
+#[derive(Clone, Copy, Debug)]
+pub struct ConductorClosure {
+    eta: Spectrum,
+    k: Spectrum,
+    specular: Spectrum,
+}
+
+impl Closure for ConductorClosure {
+    #[inline]
+    fn eval_pdf(&self, _wi: Vec3, _wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
+        (Spectrum::ZERO, 0.0)
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Vec3,
+        _lobe: f32,
+        _direction: Vec2,
+        _transport: Transport,
+    ) -> Option<BsdfSample> {
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let wo = Vec3::new(-wi.x, -wi.y, wi.z);
+        let weight = fresnel::conductor(wi.z, self.eta, self.k) * self.specular;
+        Some(BsdfSample { wo, weight, pdf: 1.0, eta: 1.0, lobe: Lobe::Delta })
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        false
+    }
+
+    fn albedo(&self, wi: Vec3) -> Spectrum {
+        if wi.z <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        fresnel::conductor(wi.z, self.eta, self.k) * self.specular
+    }
+}

@@ -1,0 +1,190 @@
+//! Fresnel's equations for dielectrics and conductors, and the directions that go with them.
+
+use etendue_math::safe_sqrt;
+use etendue_spectrum::Spectrum;
+use glam::Vec3;
+
+/// What happens to light at a smooth interface between two dielectrics.
+#[derive(Clone, Copy, Debug)]
+pub struct Interface {
+    /// The share of unpolarised light that is reflected.
+    pub reflectance: f32,
+    /// The cosine of the refracted direction; its sign is opposite to that of the incident one,
+    /// and it is zero under total reflection.
+    pub cos_theta_t: f32,
+    /// The index on the far side over that on the side of the incident direction.
+    pub eta_it: f32,
+    /// The inverse of [`eta_it`](Self::eta_it).
+    pub eta_ti: f32,
+}
+
+/// Light that meets the interface at the signed cosine `cos_theta_i`. `eta` is the index on the
+/// negative side over that on the positive one.
+///
+/// Born and Wolf, *Principles of Optics*, section 1.5.2.
+#[inline]
+#[must_use]
+pub fn dielectric(cos_theta_i: f32, eta: f32) -> Interface {
+    let outside = cos_theta_i >= 0.0;
+    let inverse = 1.0 / eta;
+    let (eta_it, eta_ti) = if outside { (eta, inverse) } else { (inverse, eta) };
+    // Snell's law for the squared cosine; negative under total reflection.
+    let cos_theta_t_squared = 1.0 - (1.0 - cos_theta_i * cos_theta_i) * (eta_ti * eta_ti);
+    let cos_i = cos_theta_i.abs();
+    let cos_t = safe_sqrt(cos_theta_t_squared);
+    let reflectance = if eta == 1.0 {
+        0.0
+    } else if cos_i == 0.0 {
+        1.0
+    } else {
+        let perpendicular = (cos_i - eta_it * cos_t) / (cos_i + eta_it * cos_t);
+        let parallel = (cos_t - eta_it * cos_i) / (cos_t + eta_it * cos_i);
+        // Rounding may carry the mean of two ones past one.
+        (0.5 * (perpendicular * perpendicular + parallel * parallel)).min(1.0)
+    };
+    let cos_theta_t = if outside { -cos_t } else { cos_t };
+    Interface { reflectance, cos_theta_t, eta_it, eta_ti }
+}
+
+/// The share of unpolarised light that a conductor of index `eta` + i·`k` reflects at the cosine
+/// `cos_theta_i` in [0, 1].
+///
+/// Lazányi and Szirmay-Kalos, "Fresnel Term Approximations for Metals", WSCG 2005, equations 2 and 3.
+#[inline]
+#[must_use]
+pub fn conductor(cos_theta_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+    let cos2 = cos_theta_i * cos_theta_i;
+    let sin2 = 1.0 - cos2;
+    let (eta2, k2) = (eta * eta, k * k);
+    let difference = eta2 - k2 - Spectrum::splat(sin2);
+    // a² + b² of the book's complex root a + i·b, and a itself.
+    let modulus = (difference * difference + eta2 * k2 * 4.0).sqrt();
+    let real = ((modulus + difference) * 0.5).max(Spectrum::ZERO).sqrt();
+    let cross = real * (2.0 * cos_theta_i);
+    let sum = modulus + Spectrum::splat(cos2);
+    let perpendicular = (sum - cross).safe_div(sum + cross);
+    let sum = modulus * cos2 + Spectrum::splat(sin2 * sin2);
+    let cross = cross * sin2;
+    let parallel = perpendicular * (sum - cross).safe_div(sum + cross);
+    ((perpendicular + parallel) * 0.5).clamp(0.0, 1.0)
+}
+
+/// The share of perfectly diffuse light that a smooth interface reflects, where it comes from the
+/// side of lower index if `eta` > 1: 2 ∫ F(μ) μ dμ.
+///
+/// The closed form of Walsh ("The Reflection Factor of a Polished Glass Surface for Diffused
+/// Light", 1926) as Dunkle gives it; seen from inside, the diffuse light that leaves is
+/// (1 − F) / η² of what would enter (the étendue is the same both ways).
+#[must_use]
+pub fn diffuse_reflectance(eta: f32) -> f32 {
+    let eta = f64::from(eta);
+    if eta < 1.0 {
+        return (1.0 - (1.0 - walsh(1.0 / eta)) * (eta * eta)) as f32;
+    }
+    walsh(eta) as f32
+}
+
+fn walsh(n: f64) -> f64 {
+    // Below this the terms, which grow as 1 / (n − 1), cancel to noise; the sum is below 3e-6.
+    if n < 1.0 + 1e-5 {
+        return 0.0;
+    }
+    let (n2, n3, n4) = (n * n, n * n * n, n * n * n * n);
+    0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0) * (n + 1.0))
+        + n2 * (n2 - 1.0).powi(2) / (n2 + 1.0).powi(3) * ((n - 1.0) / (n + 1.0)).ln()
+        - 2.0 * n3 * (n2 + 2.0 * n - 1.0) / ((n2 + 1.0) * (n4 - 1.0))
+        + 8.0 * n4 * (n4 + 1.0) / ((n2 + 1.0) * (n4 - 1.0).powi(2)) * n.ln()
+}
+
+/// The mirror image of `wi` about the unit vector `m`.
+#[inline]
+#[must_use]
+pub fn reflect(wi: Vec3, m: Vec3) -> Vec3 {
+    m * (2.0 * wi.dot(m)) - wi
+}
+
+/// `wi` refracted at the unit normal `m`, on either side; `interface` is [`dielectric`] at wi·m.
+#[inline]
+#[must_use]
+pub fn refract(wi: Vec3, m: Vec3, interface: &Interface) -> Vec3 {
+    m * (wi.dot(m) * interface.eta_ti + interface.cos_theta_t) - wi * interface.eta_ti
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etendue_testkit::quadrature::integrate_gauss;
+
+    #[test]
+    fn normal_incidence_has_the_textbook_value() {
+        for eta in [1.5_f32, 1.0 / 1.5, 2.4] {
+            let expected = ((eta - 1.0) / (eta + 1.0)).powi(2);
+            for cosine in [1.0, -1.0] {
+                assert!((dielectric(cosine, eta).reflectance - expected).abs() < 1e-7);
+            }
+        }
+        let silver = conductor(1.0, Spectrum::splat(0.155), Spectrum::splat(3.6));
+        let expected = ((0.155 - 1.0_f32).powi(2) + 3.6 * 3.6) / (1.155_f32.powi(2) + 3.6 * 3.6);
+        assert!((silver.max_component() - expected).abs() < 1e-6);
+    }
+
+    #[test]
+    fn brewster_grazing_and_total_reflection() {
+        let eta = 1.5_f32;
+        // At Brewster's angle only the perpendicular part is reflected.
+        let brewster = dielectric(1.0 / (1.0 + eta * eta).sqrt(), eta).reflectance;
+        let perpendicular = (1.0 - eta * eta) / (1.0 + eta * eta);
+        assert!((brewster - 0.5 * perpendicular * perpendicular).abs() < 1e-6);
+        assert_eq!(dielectric(0.0, eta).reflectance, 1.0);
+        let inside = dielectric(-0.5, eta);
+        assert_eq!((inside.reflectance, inside.cos_theta_t), (1.0, 0.0));
+        assert_eq!(dielectric(0.3, 1.0).reflectance, 0.0);
+    }
+
+    #[test]
+    fn a_conductor_that_does_not_absorb_is_a_dielectric() {
+        for cosine in [0.05, 0.3, 0.7, 1.0] {
+            let metal = conductor(cosine, Spectrum::splat(1.8), Spectrum::ZERO);
+            assert!((metal[0] - dielectric(cosine, 1.8).reflectance).abs() < 2e-6);
+        }
+        assert_eq!(conductor(0.4, Spectrum::ZERO, Spectrum::ONE), Spectrum::ONE);
+        let nothing = conductor(0.0, Spectrum::ONE, Spectrum::ZERO);
+        assert!(nothing.is_finite(), "{nothing:?}");
+    }
+
+    #[test]
+    fn refraction_follows_snell_there_and_back() {
+        let wi = Vec3::new(0.6, -0.3, 0.5).normalize();
+        for (wi, eta) in [(wi, 1.5), (wi, 0.9), (-wi, 0.8)] {
+            let interface = dielectric(wi.z, eta);
+            let wo = refract(wi, Vec3::Z, &interface);
+            assert!((wo.length() - 1.0).abs() < 1e-6);
+            assert!((wo.z - interface.cos_theta_t).abs() < 1e-6);
+            assert!((wo.truncate() * interface.eta_it + wi.truncate()).length() < 1e-6);
+            let back = refract(wo, Vec3::Z, &dielectric(wo.z, eta));
+            assert!((back - wi).length() < 1e-5, "{back} {wi}");
+        }
+        assert_eq!(reflect(wi, Vec3::Z), Vec3::new(-wi.x, -wi.y, wi.z));
+    }
+
+    #[test]
+    fn the_closed_form_is_the_integral() {
+        for eta in [1.001_f32, 1.1, 1.33, 1.489_587_4, 1.9, 2.5, 10.0] {
+            // The square of the sine as the variable keeps the root at the critical angle tame.
+            let integral = |eta: f32, low: f64, high: f64| {
+                let integrand = |x: f64| {
+                    let cosine = low + (high - low) * x * x;
+                    let share = f64::from(dielectric(cosine as f32, eta).reflectance);
+                    share * 2.0 * cosine * 2.0 * x * (high - low)
+                };
+                integrate_gauss(integrand, 0.0, 1.0, 64)
+            };
+            let outside = integral(eta, 0.0, 1.0);
+            assert!((f64::from(diffuse_reflectance(eta)) - outside).abs() < 2e-6, "{eta}");
+            let critical = (1.0 - 1.0 / f64::from(eta * eta)).sqrt();
+            let inside = critical * critical + integral(1.0 / eta, critical, 1.0);
+            assert!((f64::from(diffuse_reflectance(1.0 / eta)) - inside).abs() < 5e-6, "{eta}");
+        }
+        assert_eq!(diffuse_reflectance(1.0), 0.0);
+    }
+}

@@ -1,0 +1,49 @@
+//! `mask`: a material with holes.
+
+use super::inputs::{nested, scalar_within};
+use super::{Bsdf, Gather, Placement};
+use crate::builder::Builder;
+use crate::ids::MaterialId;
+use crate::manual::{Manual, parameter};
+use crate::texture::ScalarSource;
+use etendue_document::Parameters;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Cuts holes into a material, or makes it see-through: where the opacity is 0, light \
+              goes straight on; where it is 1, there is the nested material.",
+    parameters: &[
+        parameter("opacity", "float or texture", "0.5", "From 0 (nothing there) to 1 (opaque)."),
+        parameter("(nested)", "bsdf", "", "The material."),
+    ],
+    sample: r#"<bsdf type="mask">
+    <float name="opacity" value="0.3"/>
+    <bsdf type="diffuse"/>
+</bsdf>"#,
+};
+
+/// A material with an opacity.
+#[derive(Clone, Copy, Debug)]
+pub struct Mask {
+    opacity: ScalarSource,
+    nested: MaterialId,
+}
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Mask> {
+    let opacity = scalar_within(builder, parameters, "opacity", 0.5, 0.0..=1.0);
+    let nested = nested(builder, parameters, 1..=1)?[0];
+    Some(Mask { opacity, nested })
+}
+
+impl Mask {
+    /// Adds the nested closures, and the straight way for what they do not cover.
+    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+        // In this order a NaN becomes zero.
+        let opacity = self.opacity.eval(gather.textures, gather.surface).max(0.0).min(1.0);
+        if opacity > 0.0 {
+            gather.materials.gather(self.nested, gather, placement.scaled(opacity), bsdf);
+        }
+        bsdf.push_null(placement.scaled(1.0 - opacity));
+    }
+}

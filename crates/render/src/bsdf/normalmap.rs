@@ -1,0 +1,136 @@
+//! `normalmap`: a material on a surface whose normals come from a picture.
+
+use super::inputs::nested;
+use super::{Bsdf, Gather, Placement};
+use crate::builder::Builder;
+use crate::ids::MaterialId;
+use crate::manual::{Manual, ParameterManual, parameter};
+use crate::texture::ColorSource;
+use etendue_document::{Fault, Parameters};
+use etendue_math::Frame;
+use etendue_spectrum::SpectrumUse;
+use glam::Vec3;
+
+/// What to do where the tilted normal faces away.
+pub(super) const FLIP_INVALID_NORMALS: ParameterManual = parameter(
+    "flip_invalid_normals",
+    "boolean",
+    "true",
+    "Whether a normal that faces away from the viewer is turned around, where the surface would \
+     be black without.",
+);
+/// Whether the terminator is softened.
+pub(super) const USE_SHADOWING_FUNCTION: ParameterManual = parameter(
+    "use_shadowing_function",
+    "boolean",
+    "true",
+    "Whether light is faded out towards the horizon of the surface, as bumps would shadow it \
+     (Estevez et al., *A Microfacet-Based Shadowing Function to Solve the Bump Terminator \
+     Problem*, 2019).",
+);
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Tilts the normals of a surface by a picture, whose colours (x + 1) / 2 hold the normal \
+              in the shading frame: (0.5, 0.5, 1) changes nothing. Use a bitmap with `raw` set.",
+    parameters: &[
+        parameter("normalmap", "texture", "", "The picture of the normals."),
+        parameter("(nested)", "bsdf", "", "The material."),
+        FLIP_INVALID_NORMALS,
+        USE_SHADOWING_FUNCTION,
+    ],
+    sample: r#"<bsdf type="normalmap">
+    <rgb name="normalmap" value="0.5, 0.6, 0.9"/>
+    <bsdf type="roughplastic"/>
+</bsdf>"#,
+};
+
+/// A material with a picture of its normals.
+#[derive(Clone, Copy, Debug)]
+pub struct NormalMap {
+    map: ColorSource,
+    perturbation: Perturbation,
+    pub(super) nested: MaterialId,
+}
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<NormalMap> {
+    let perturbation = Perturbation::read(parameters);
+    let nested = nested(builder, parameters, 1..=1);
+    let map = builder.optional_color(parameters, "normalmap", SpectrumUse::Unbounded);
+    if map.is_none() && !parameters.has("normalmap") {
+        let message = "`normalmap` needs a texture named `normalmap`";
+        parameters.diagnostics().error(Fault::MissingParameter, parameters.span(), message);
+    }
+    Some(NormalMap { map: map?, perturbation, nested: nested?[0] })
+}
+
+impl NormalMap {
+    /// Adds the nested closures in the tilted frame.
+    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+        // The picture holds data, not light: its three channels are the coordinates.
+        let color = self.map.eval(gather.textures, gather.surface);
+        let normal = Vec3::from_array(color.rgb()) * 2.0 - Vec3::ONE;
+        let placement = self.perturbation.place(normal, gather.surface.wi, placement);
+        gather.materials.gather(self.nested, gather, placement, bsdf);
+    }
+}
+
+/// What bump and normal maps do with the normal that they found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Perturbation {
+    facing: Facing,
+    shadowing: Shadowing,
+}
+
+/// What becomes of a normal that faces away from the viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Facing {
+    /// Its tangential part is reversed (Schüssler et al., *Microfacet-Based Normal Mapping for
+    /// Robust Monte Carlo Path Tracing*, 2017).
+    Flipped,
+    /// It stays.
+    Kept,
+}
+
+/// Whether light fades out towards the horizon of the untilted surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shadowing {
+    /// As among microfacets.
+    Smooth,
+    /// It ends at once.
+    None,
+}
+
+impl Perturbation {
+    /// Reads the parameters that both maps have.
+    pub(super) fn read(parameters: &Parameters<'_>) -> Self {
+        let facing = match parameters.boolean("flip_invalid_normals", true) {
+            true => Facing::Flipped,
+            false => Facing::Kept,
+        };
+        let shadowing = match parameters.boolean("use_shadowing_function", true) {
+            true => Shadowing::Smooth,
+            false => Shadowing::None,
+        };
+        Self { facing, shadowing }
+    }
+
+    /// `placement` turned so that its z axis is `normal`, which is in its coordinates and of any
+    /// length. `wi` is in shading coordinates.
+    pub(super) fn place(&self, normal: Vec3, wi: Vec3, placement: Placement) -> Placement {
+        let wi = placement.to_closure(wi);
+        let away = wi.z * wi.dot(normal) <= 0.0;
+        let normal = match self.facing {
+            Facing::Flipped if away => Vec3::new(-normal.x, -normal.y, normal.z),
+            _ => normal,
+        };
+        // A map without a direction changes nothing.
+        let normal = normal.try_normalize().unwrap_or(Vec3::Z);
+        let turned = placement.turned(Frame::from_normal_and_tangent(normal, Vec3::X));
+        match self.shadowing {
+            Shadowing::Smooth => turned.shadowed(normal),
+            Shadowing::None => turned,
+        }
+    }
+}

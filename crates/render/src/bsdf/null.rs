@@ -1,0 +1,66 @@
+//! `null`: a surface that is not there.
+
+use super::{BsdfSample, Closure, Lobe, Transport};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::Manual;
+use crate::texture::Textures;
+use etendue_document::Parameters;
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "No surface at all: light goes straight through. It marks where a medium ends.",
+    parameters: &[],
+    sample: r#"<bsdf type="null"/>"#,
+};
+
+/// A surface that is not there.
+#[derive(Clone, Copy, Debug)]
+pub struct Null;
+
+/// Reads the parameters: there are none.
+pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<Null> {
+    Some(Null)
+}
+
+impl Null {
+    /// The same at every hit.
+    #[inline]
+    #[must_use]
+    pub fn resolve(&self, _textures: Textures<'_>, _surface: &SurfaceInteraction) -> NullClosure {
+        NullClosure
+    }
+}
+
+/// Light goes straight on.
+#[derive(Clone, Copy, Debug)]
+pub struct NullClosure;
+
+impl Closure for NullClosure {
+    #[inline]
+    fn eval_pdf(&self, _wi: Vec3, _wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
+        (Spectrum::ZERO, 0.0)
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Vec3,
+        _lobe: f32,
+        _direction: Vec2,
+        _transport: Transport,
+    ) -> Option<BsdfSample> {
+        Some(BsdfSample { wo: -wi, weight: Spectrum::ONE, pdf: 1.0, eta: 1.0, lobe: Lobe::Null })
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        false
+    }
+
+    fn albedo(&self, _wi: Vec3) -> Spectrum {
+        Spectrum::ONE
+    }
+}

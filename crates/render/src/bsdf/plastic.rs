@@ -1,0 +1,162 @@
+//! `plastic`: a smooth clear coat over a matt base.
+
+use super::conductor::SPECULAR_REFLECTANCE;
+use super::dielectric::EXT_IOR;
+use super::inputs::{
+    ColorShift, coated_base, internal_diffuse_reflectance, reflectance, relative_index,
+    specular_probability,
+};
+use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, ParameterManual, parameter};
+use crate::texture::{ColorSource, Textures};
+use etendue_document::Parameters;
+use etendue_sampling::warp::cosine_hemisphere;
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+
+/// The matt base, which the rough coat has too.
+pub(super) const DIFFUSE_REFLECTANCE: ParameterManual = parameter(
+    "diffuse_reflectance",
+    "spectrum or texture",
+    "0.5",
+    "The share of light that the base under the coat scatters.",
+);
+/// The index of the coat.
+pub(super) const INT_IOR: ParameterManual = parameter(
+    "int_ior",
+    "float or string",
+    "polypropylene",
+    "The index of refraction of the coat: a number, or a name.",
+);
+/// What scattering inside does to colours.
+pub(super) const NONLINEAR: ParameterManual = parameter(
+    "nonlinear",
+    "boolean",
+    "false",
+    "Whether scattering inside the coat shifts the colour of the base, as in reality.",
+);
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Polished plastic: a matt base under a smooth clear coat, with all the light that goes \
+              back and forth between them. Black from behind; see `twosided`.",
+    parameters: &[DIFFUSE_REFLECTANCE, SPECULAR_REFLECTANCE, INT_IOR, EXT_IOR, NONLINEAR],
+    sample: r#"<bsdf type="plastic">
+    <rgb name="diffuse_reflectance" value="0.1, 0.27, 0.36"/>
+    <float name="int_ior" value="1.9"/>
+</bsdf>"#,
+};
+
+/// A smooth coat over a matt base.
+#[derive(Clone, Copy, Debug)]
+pub struct Plastic {
+    diffuse_reflectance: ColorSource,
+    specular_reflectance: ColorSource,
+    eta: f32,
+    shift: ColorShift,
+    /// The share of diffuse light that the coat reflects from inside.
+    thrown_back: f32,
+}
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Plastic> {
+    let eta = relative_index(builder, parameters, "polypropylene");
+    Some(Plastic {
+        diffuse_reflectance: reflectance(builder, parameters, "diffuse_reflectance", 0.5),
+        specular_reflectance: reflectance(builder, parameters, "specular_reflectance", 1.0),
+        eta,
+        shift: ColorShift::read(parameters),
+        thrown_back: internal_diffuse_reflectance(eta),
+    })
+}
+
+impl Plastic {
+    /// Reads the textures at a hit.
+    #[inline]
+    #[must_use]
+    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> PlasticClosure {
+        let reflectance = self.diffuse_reflectance.eval(textures, surface);
+        PlasticClosure {
+            base: coated_base(reflectance, self.thrown_back, self.shift) / (self.eta * self.eta),
+            reflectance,
+            specular: self.specular_reflectance.eval(textures, surface),
+            eta: self.eta,
+            thrown_back: self.thrown_back,
+        }
+    }
+}
+
+/// A resolved smooth coat over a matt base.
+#[derive(Clone, Copy, Debug)]
+pub struct PlasticClosure {
+    /// The base's reflectance with the light thrown back, over the squared index.
+    base: Spectrum,
+    /// The base's reflectance alone, which weighs the choice of lobes.
+    reflectance: Spectrum,
+    specular: Spectrum,
+    eta: f32,
+    thrown_back: f32,
+}
+
+impl PlasticClosure {
+    /// The share of light that goes through the coat.
+    #[inline]
+    fn transmitted(&self, direction: Vec3) -> f32 {
+        1.0 - fresnel::dielectric(direction.z, self.eta).reflectance
+    }
+}
+
+impl Closure for PlasticClosure {
+    #[inline]
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return (Spectrum::ZERO, 0.0);
+        }
+        let entering = self.transmitted(wi);
+        let cosine = cosine_hemisphere::pdf(wo);
+        let specular = specular_probability(self.specular, self.reflectance, 1.0 - entering);
+        let value = self.base * (cosine * entering * self.transmitted(wo));
+        (value, cosine * (1.0 - specular))
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Vec3,
+        lobe: f32,
+        direction: Vec2,
+        transport: Transport,
+    ) -> Option<BsdfSample> {
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let reflected = 1.0 - self.transmitted(wi);
+        let specular = specular_probability(self.specular, self.reflectance, reflected);
+        if lobe < specular {
+            let wo = Vec3::new(-wi.x, -wi.y, wi.z);
+            let weight = self.specular * (reflected / specular);
+            return Some(BsdfSample { wo, weight, pdf: specular, eta: 1.0, lobe: Lobe::Delta });
+        }
+        let wo = cosine_hemisphere::sample(direction);
+        let (value, pdf) = self.eval_pdf(wi, wo, transport);
+        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Diffuse };
+        (pdf > 0.0).then(sample)
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        true
+    }
+
+    fn albedo(&self, wi: Vec3) -> Spectrum {
+        if wi.z <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        let entering = self.transmitted(wi);
+        // What diffuse light leaves through the coat: (1 − F inside) η² of (1 − F outside) / η².
+        let leaving = (1.0 - self.thrown_back) * self.eta * self.eta;
+        self.specular * (1.0 - entering) + self.base * (entering * leaving)
+    }
+}

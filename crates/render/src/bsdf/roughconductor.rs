@@ -1,0 +1,163 @@
+//! `roughconductor`: a rough metal, made of microfacets.
+
+use super::conductor::{ETA, EXT_ETA, K, MATERIAL, SPECULAR_REFLECTANCE};
+use super::inputs::{MetalIndex, Roughness, reflectance};
+use super::microfacet::Microfacets;
+use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, ParameterManual, parameter};
+use crate::texture::{ColorSource, Textures};
+use etendue_document::Parameters;
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+
+/// The parameters of the roughness, which the other rough materials have too.
+pub(super) const ALPHA: ParameterManual = parameter(
+    "alpha",
+    "float or texture",
+    "0.1",
+    "The roughness, from 0.001 (nearly smooth) over 0.1 to 0.7 (very rough). For Beckmann's \
+     distribution it is √2 times the root mean square of the slope.",
+);
+/// See [`ALPHA`].
+pub(super) const ALPHA_U: ParameterManual =
+    parameter("alpha_u", "float or texture", "", "The roughness along the tangent.");
+/// See [`ALPHA`].
+pub(super) const ALPHA_V: ParameterManual =
+    parameter("alpha_v", "float or texture", "", "The roughness along the bitangent.");
+/// See [`ALPHA`].
+pub(super) const DISTRIBUTION: ParameterManual = parameter(
+    "distribution",
+    "string",
+    "beckmann",
+    "How microfacet normals are distributed: `beckmann` or `ggx`.",
+);
+/// See [`ALPHA`].
+pub(super) const SAMPLE_VISIBLE: ParameterManual = parameter(
+    "sample_visible",
+    "boolean",
+    "true",
+    "Whether only those normals are sampled that can be seen. Without it pictures are noisier.",
+);
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A rough metal: a microfacet surface (Walter et al., *Microfacet Models for Refraction \
+              through Rough Surfaces*, 2007). Black from behind; see `twosided`.",
+    parameters: &[
+        MATERIAL,
+        ETA,
+        K,
+        EXT_ETA,
+        SPECULAR_REFLECTANCE,
+        ALPHA,
+        ALPHA_U,
+        ALPHA_V,
+        DISTRIBUTION,
+        SAMPLE_VISIBLE,
+    ],
+    sample: r#"<bsdf type="roughconductor">
+    <string name="material" value="Al"/>
+    <string name="distribution" value="ggx"/>
+    <float name="alpha_u" value="0.05"/>
+    <float name="alpha_v" value="0.3"/>
+</bsdf>"#,
+};
+
+/// A rough metal.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughConductor {
+    index: MetalIndex,
+    specular_reflectance: ColorSource,
+    roughness: Roughness,
+}
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<RoughConductor> {
+    let index = MetalIndex::read(builder, parameters);
+    let specular_reflectance = reflectance(builder, parameters, "specular_reflectance", 1.0);
+    let roughness = Roughness::read(builder, parameters);
+    Some(RoughConductor { index, specular_reflectance, roughness })
+}
+
+impl RoughConductor {
+    /// Reads the textures at a hit.
+    #[inline]
+    #[must_use]
+    pub fn resolve(
+        &self,
+        textures: Textures<'_>,
+        surface: &SurfaceInteraction,
+    ) -> RoughConductorClosure {
+        let [eta, k] = self.index.resolve(textures, surface);
+        RoughConductorClosure {
+            eta,
+            k,
+            specular: self.specular_reflectance.eval(textures, surface),
+            microfacets: self.roughness.resolve(textures, surface),
+        }
+    }
+}
+
+/// A resolved rough metal.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughConductorClosure {
+    eta: Spectrum,
+    k: Spectrum,
+    specular: Spectrum,
+    microfacets: Microfacets,
+}
+
+impl RoughConductorClosure {
+    /// Value and density where the microfacets between `wi` and `wo` have the normal `m`.
+    #[inline]
+    fn eval_pdf_at(&self, wi: Vec3, wo: Vec3, m: Vec3) -> (Spectrum, f32) {
+        let reflection = self.microfacets.reflection(wi, wo, m);
+        let tint = fresnel::conductor(wi.dot(m).clamp(0.0, 1.0), self.eta, self.k) * self.specular;
+        (tint * reflection.value, reflection.pdf)
+    }
+}
+
+impl Closure for RoughConductorClosure {
+    #[inline]
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return (Spectrum::ZERO, 0.0);
+        }
+        self.eval_pdf_at(wi, wo, (wi + wo).normalize_or_zero())
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Vec3,
+        _lobe: f32,
+        direction: Vec2,
+        _transport: Transport,
+    ) -> Option<BsdfSample> {
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let m = self.microfacets.sample(wi, direction);
+        let wo = fresnel::reflect(wi, m);
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let (value, pdf) = self.eval_pdf_at(wi, wo, m);
+        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Glossy };
+        (pdf > 0.0).then(sample)
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        true
+    }
+
+    fn albedo(&self, wi: Vec3) -> Spectrum {
+        if wi.z <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        fresnel::conductor(wi.z, self.eta, self.k) * self.specular
+    }
+}

@@ -1,0 +1,74 @@
+//! `twosided`: a material on both sides of a surface.
+
+use super::inputs::nested;
+use super::{Bsdf, Gather, Material, Placement};
+use crate::builder::Builder;
+use crate::ids::MaterialId;
+use crate::manual::{Manual, parameter};
+use etendue_document::{Fault, Parameters};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Makes a material that is black from behind look the same from both sides, or gives \
+              each side its own. Materials that let light through cannot be nested.",
+    parameters: &[
+        parameter("(nested)", "bsdf", "", "The material of both sides, or of the front."),
+        parameter("(nested)", "bsdf", "", "The material of the back, where there is a second one."),
+    ],
+    sample: r#"<bsdf type="twosided">
+    <bsdf type="diffuse">
+        <rgb name="reflectance" value="0.4, 0.4, 0.4"/>
+    </bsdf>
+</bsdf>"#,
+};
+
+/// A material for each side.
+#[derive(Clone, Copy, Debug)]
+pub struct TwoSided {
+    front: MaterialId,
+    back: MaterialId,
+}
+
+/// Reads the nested materials.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<TwoSided> {
+    let nested = nested(builder, parameters, 1..=2)?;
+    if nested.iter().any(|&id| transmits(&builder.materials, id)) {
+        let message =
+            "a material that lets light through has two sides already, and cannot be nested";
+        parameters.diagnostics().error(Fault::BadValue, parameters.span(), message);
+        return None;
+    }
+    Some(TwoSided { front: nested[0], back: nested[nested.len() - 1] })
+}
+
+/// Whether a material lets light through. Materials hold only earlier ones, so the recursion ends.
+fn transmits(materials: &[Material], id: MaterialId) -> bool {
+    match &materials[id.index()] {
+        Material::Diffuse(_)
+        | Material::RoughDiffuse(_)
+        | Material::Conductor(_)
+        | Material::RoughConductor(_)
+        | Material::Plastic(_)
+        | Material::RoughPlastic(_)
+        | Material::TwoSided(_) => false,
+        Material::Dielectric(_)
+        | Material::RoughDielectric(_)
+        | Material::ThinDielectric(_)
+        | Material::Null(_)
+        | Material::Mask(_) => true,
+        Material::BumpMap(map) => transmits(materials, map.nested),
+        Material::NormalMap(map) => transmits(materials, map.nested),
+        Material::Blend(blend) => blend.nested.iter().any(|&id| transmits(materials, id)),
+    }
+}
+
+impl TwoSided {
+    /// Adds the closures of the side that `wi` is on.
+    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+        if placement.to_closure(gather.surface.wi).z >= 0.0 {
+            gather.materials.gather(self.front, gather, placement, bsdf);
+        } else {
+            gather.materials.gather(self.back, gather, placement.flipped(), bsdf);
+        }
+    }
+}
