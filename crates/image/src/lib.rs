@@ -10,6 +10,19 @@
 //! Bytes come in and bytes go out: nothing here opens a file. Every reader holds the sizes that a
 //! header claims against the bytes that are there, and against [`Limits`], before memory is taken.
 //!
+//! ```
+//! use etendue_image::{EncodeOptions, FileFormat, Picture, ToneMap, decode, encode};
+//!
+//! let mut picture = Picture::new(2, 1);
+//! for name in ["R", "G", "B"] {
+//!     picture.push(name, vec![0.5, 8.0]);
+//! }
+//! let options = EncodeOptions { tone_map: ToneMap::Agx, ..EncodeOptions::default() };
+//! let png = encode(&picture, FileFormat::Png, &options)?;
+//! assert_eq!(decode(&png, "picture.png")?.channels, 3);
+//! # Ok::<(), etendue_image::ImageError>(())
+//! ```
+//!
 //! Linear values are relative to the primaries and white of ITU-R BT.709 (sRGB).
 #![forbid(unsafe_code)]
 

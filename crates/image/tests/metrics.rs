@@ -36,7 +36,7 @@ fn disturbed_waves(x: f64, y: f64) -> [f64; 3] {
     [color[0], color[1], color[2].powf(1.2)]
 }
 
-/// The golden map was made by the authors' `flip-evaluator` 1.7 ("LDR", linear input clamped to
+/// The tolerance is some rounding errors of single precision. The golden map was made by the authors' `flip-evaluator` 1.7 ("LDR", linear input clamped to
 /// [0, 1], 67.02 pixels per degree).
 #[test]
 fn flip_agrees_with_its_authors() {
@@ -44,13 +44,11 @@ fn flip_agrees_with_its_authors() {
     let map = flip(&image, &reference, DEFAULT_PIXELS_PER_DEGREE).unwrap();
     let golden = decode(include_bytes!("golden/flip_67.pfm"), "flip_67.pfm").unwrap().to_raw();
     assert_eq!(map.values.len(), golden.len());
-    let mut largest: f32 = 0.0;
     for (index, (value, expected)) in map.values.iter().zip(&golden).enumerate() {
-        largest = largest.max((value - expected).abs());
-        assert!((value - expected).abs() < 5e-4, "pixel {index}: {value}, expected {expected}");
+        assert!((value - expected).abs() < 1e-5, "pixel {index}: {value}, expected {expected}");
     }
     let mean = golden.iter().map(|&value| f64::from(value)).sum::<f64>() / golden.len() as f64;
-    assert!((map.mean - mean).abs() < 1e-5, "{} {mean} {largest}", map.mean);
+    assert!((map.mean - mean).abs() < 1e-6, "{} {mean}", map.mean);
 }
 
 #[test]

@@ -164,7 +164,7 @@ fn jpeg_is_near_and_nearer_with_more_quality() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Any bits survive: NaN with payload, infinities, negative zero.
     #[test]
@@ -229,6 +229,26 @@ fn exposure_and_tone_map_reach_display_formats_only() {
     let read = decode(&bytes, "").unwrap().to_color_image();
     let flat = |image: &etendue_image::ColorImage| image.pixels.as_flattened().to_vec();
     assert!(largest_difference(&flat(&read), &flat(&shown)) < 0.005);
+}
+
+#[test]
+fn single_pixels_fit_every_format_with_and_without_alpha() {
+    for format in FileFormat::all() {
+        for names in [&["Y"][..], &["Y", "A"], &["R", "G", "B"], &["R", "G", "B", "A"]] {
+            for bit_depth in [BitDepth::Eight, BitDepth::Sixteen] {
+                let mut picture = Picture::new(1, 1);
+                for name in names {
+                    picture.push(*name, vec![1.0]);
+                }
+                let options = EncodeOptions { bit_depth, ..EncodeOptions::default() };
+                let bytes = encode(&picture, format, &options).unwrap();
+                let image = decode(&bytes, "").unwrap().to_color_image();
+                assert_eq!((image.width, image.height), (1, 1));
+                let white = image.pixels[0].iter().all(|value| (value - 1.0).abs() < 0.01);
+                assert!(white, "{format:?} {names:?} {bit_depth:?}: {image:?}");
+            }
+        }
+    }
 }
 
 #[test]

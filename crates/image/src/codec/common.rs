@@ -78,23 +78,24 @@ pub(super) fn encode(
 ) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     let mut target = Cursor::new(&mut bytes);
-    let keep = |mode| display_image(picture, options, mode);
+    let display = |mode| display_image(picture, options, mode);
     let result = match format {
         FileFormat::Png => {
             // Rendered pictures are noisy: stronger compression costs ten times as much for a
             // few per cent.
             let (compression, filter) = (CompressionType::Fast, FilterType::Adaptive);
             let encoder = PngEncoder::new_with_quality(target, compression, filter);
-            keep(AlphaMode::Straight)?.write_with_encoder(encoder)
+            display(AlphaMode::Straight)?.write_with_encoder(encoder)
         }
-        FileFormat::Tiff => keep(AlphaMode::Straight)?.write_with_encoder(TiffEncoder::new(target)),
+        FileFormat::Tiff => without_grey_alpha(display(AlphaMode::Straight)?)
+            .write_with_encoder(TiffEncoder::new(target)),
         FileFormat::Jpeg => {
             let quality = options.jpeg_quality.clamp(1, 100);
             let encoder = JpegEncoder::new_with_quality(target, quality);
-            keep(AlphaMode::Dropped)?.write_with_encoder(encoder)
+            display(AlphaMode::Dropped)?.write_with_encoder(encoder)
         }
         FileFormat::Bmp => {
-            keep(AlphaMode::Dropped)?.write_with_encoder(BmpEncoder::new(&mut target))
+            display(AlphaMode::Dropped)?.write_with_encoder(BmpEncoder::new(&mut target))
         }
         FileFormat::Hdr => linear_image(picture)?.write_with_encoder(HdrEncoder::new(target)),
         FileFormat::Exr | FileFormat::Pfm => {
@@ -110,6 +111,15 @@ fn decoder_limits(limits: &Limits) -> image::Limits {
     let mut decoder_limits = image::Limits::default();
     decoder_limits.max_alloc = Some(limits.bytes);
     decoder_limits
+}
+
+/// Makes grey with alpha to colour with alpha: the writer of TIFF files has no such kind.
+fn without_grey_alpha(image: DynamicImage) -> DynamicImage {
+    match image {
+        DynamicImage::ImageLumaA8(_) => image.to_rgba8().into(),
+        DynamicImage::ImageLumaA16(_) => image.to_rgba16().into(),
+        image => image,
+    }
 }
 
 /// Takes the samples as they are. `None` for kinds of samples that no enabled decoder gives.

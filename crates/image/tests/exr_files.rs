@@ -1,0 +1,126 @@
+//! OpenEXR files that our writer does not make: tiles, levels, parts, compressions, number types.
+
+use etendue_image::{Samples, decode, decode_exr_layers};
+use exr::prelude as exrs;
+use exr::prelude::{Blocks, Compression, Vec2, WritableImage};
+
+const SIZE: Vec2<usize> = Vec2(45, 37);
+
+/// Values that halves hold exactly, different at every pixel of a row and for every channel.
+fn value(channel: usize, x: usize, y: usize) -> f32 {
+    (x + 64 * channel) as f32 / 8.0 + (y % 4) as f32
+}
+
+/// A channel of the given number type.
+fn channel(
+    name: &str,
+    index: usize,
+    kind: exrs::SampleType,
+) -> exrs::AnyChannel<exrs::FlatSamples> {
+    let values = (0..SIZE.area()).map(|pixel| value(index, pixel % SIZE.x(), pixel / SIZE.x()));
+    let samples = match kind {
+        exrs::SampleType::F16 => exrs::FlatSamples::F16(values.map(exrs::f16::from_f32).collect()),
+        exrs::SampleType::F32 => exrs::FlatSamples::F32(values.collect()),
+        exrs::SampleType::U32 => exrs::FlatSamples::U32(values.map(|v| (v * 8.0) as u32).collect()),
+    };
+    exrs::AnyChannel::new(name, samples)
+}
+
+type ForeignLayer = exrs::Layer<exrs::AnyChannels<exrs::FlatSamples>>;
+
+/// A part with four channels of three number types.
+fn layer(name: &str, compression: Compression, blocks: Blocks) -> ForeignLayer {
+    use exrs::SampleType::{F16, F32, U32};
+    let kinds = [("R", F16), ("G", F32), ("B", F16), ("id", U32)];
+    let channels =
+        kinds.into_iter().enumerate().map(|(index, (name, kind))| channel(name, index, kind));
+    let encoding = exrs::Encoding { compression, blocks, line_order: exrs::LineOrder::Increasing };
+    let mut attributes = exrs::LayerAttributes::named(name);
+    attributes.layer_position = Vec2(-7, 11);
+    let list = exrs::AnyChannels::sort(channels.collect());
+    exrs::Layer::new(SIZE, attributes, encoding, list)
+}
+
+/// The bytes of a file.
+fn file<L>(image: &exrs::Image<L>) -> Vec<u8>
+where
+    for<'a> L: exr::image::write::layers::WritableLayers<'a>,
+    for<'a> &'a exrs::Image<L>: WritableImage<'a, L>,
+{
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+/// Checks every value of every channel.
+fn check(bytes: &[u8], what: &str) {
+    let picture = decode_exr_layers(bytes).unwrap_or_else(|error| panic!("{what}: {error}"));
+    assert_eq!((picture.width, picture.height), (45, 37), "{what}");
+    assert_eq!(picture.data_origin, [-7, 11], "{what}");
+    for (index, name) in ["R", "G", "B", "id"].into_iter().enumerate() {
+        let scale = if name == "id" { 8.0 } else { 1.0 };
+        for (pixel, &read) in picture.channel(name).unwrap().data.iter().enumerate() {
+            let expected = value(index, pixel % SIZE.x(), pixel / SIZE.x()) * scale;
+            assert_eq!(read, expected, "{what}: {name} at {pixel}");
+        }
+    }
+    let bitmap = decode(bytes, "").unwrap();
+    assert_eq!(bitmap.channels, 3);
+    let Samples::F32(samples) = bitmap.samples else { panic!("{what}: floats expected") };
+    assert_eq!(samples[3..6], [value(0, 1, 0), value(1, 1, 0), value(2, 1, 0)]);
+}
+
+#[test]
+fn every_lossless_compression_in_lines_and_in_tiles() {
+    use Compression::{PIZ, RLE, Uncompressed, ZIP1, ZIP16};
+    for compression in [Uncompressed, RLE, ZIP1, ZIP16, PIZ] {
+        for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(16, 9)), Blocks::Tiles(Vec2(64, 64))] {
+            let image = exrs::Image::from_layer(layer("main", compression, blocks));
+            check(&file(&image), &format!("{compression:?} {blocks:?}"));
+        }
+    }
+}
+
+#[test]
+fn the_first_of_several_parts_is_read() {
+    let first = layer("first", Compression::ZIP16, Blocks::ScanLines);
+    let mut second = layer("second", Compression::RLE, Blocks::Tiles(Vec2(8, 8)));
+    for channel in &mut second.channel_data.list {
+        channel.sample_data = exrs::FlatSamples::F32(vec![-1.0; SIZE.area()]);
+    }
+    let attributes = exrs::ImageAttributes::with_size(SIZE);
+    let image = exrs::Image::from_layers(attributes, vec![first, second]);
+    check(&file(&image), "two parts");
+}
+
+#[test]
+fn the_largest_of_several_levels_is_read() {
+    let mut part = layer("main", Compression::ZIP1, Blocks::Tiles(Vec2(16, 16)));
+    let list = std::mem::take(&mut part.channel_data.list);
+    let levels = list.into_iter().map(|channel| {
+        // Level sizes are halved and rounded down, to one pixel.
+        let smaller = (1..6).map(|level| {
+            let pixels = (SIZE.x() >> level).max(1) * (SIZE.y() >> level).max(1);
+            match &channel.sample_data {
+                exrs::FlatSamples::F16(_) => {
+                    exrs::FlatSamples::F16(vec![Default::default(); pixels])
+                }
+                exrs::FlatSamples::F32(_) => exrs::FlatSamples::F32(vec![0.0; pixels]),
+                exrs::FlatSamples::U32(_) => exrs::FlatSamples::U32(vec![0; pixels]),
+            }
+        });
+        let level_data = std::iter::once(channel.sample_data.clone()).chain(smaller).collect();
+        exrs::AnyChannel {
+            name: channel.name.clone(),
+            sample_data: exrs::Levels::Mip {
+                rounding_mode: exr::math::RoundingMode::Down,
+                level_data,
+            },
+            quantize_linearly: channel.quantize_linearly,
+            sampling: channel.sampling,
+        }
+    });
+    let list = exrs::AnyChannels::sort(levels.collect());
+    let part = exrs::Layer::new(SIZE, part.attributes, part.encoding, list);
+    check(&file(&exrs::Image::from_layer(part)), "mip map");
+}
