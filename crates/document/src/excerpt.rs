@@ -8,8 +8,8 @@ use codespan_reporting::term;
 
 use crate::{Diagnostic, Severity, Source, Sources, Span};
 
-/// At most this many characters of a line are shown, around the place that matters: a scene may
-/// be one line of megabytes.
+/// A line of at most this many characters is shown whole. A scene may be one line of megabytes:
+/// of longer ones, what is around the place that matters is shown.
 const SHOWN: usize = 120;
 
 /// A finding as the text a terminal shows, with escape codes for colours where `colored`.
@@ -97,9 +97,12 @@ fn cut(source: &Source, span: Span) -> (String, Range<usize>) {
     let inside = &source.text()[start..end];
     let after = &source.text()[end..line.end];
 
-    let (before, before_cut) = last_characters(before, SHOWN / 2);
-    let (inside, inside_cut) = first_characters(inside, SHOWN / 2);
-    let (after, after_cut) = first_characters(after, if inside_cut { 0 } else { SHOWN / 3 });
+    let is_long = source.text()[line].chars().nth(SHOWN).is_some();
+    let limit = |count: usize| if is_long { count } else { SHOWN };
+    let (before, before_cut) = last_characters(before, limit(SHOWN / 3));
+    let (inside, inside_cut) = first_characters(inside, limit(SHOWN / 2));
+    let after_limit = if inside_cut { 0 } else { limit(SHOWN / 3) };
+    let (after, after_cut) = first_characters(after, after_limit);
     let opening = if before_cut { "…" } else { "" };
     let closing = if inside_cut || after_cut { "…" } else { "" };
     let shown_before = format!("{opening}{}", printable(before));

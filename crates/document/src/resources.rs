@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::normalise;
+
 /// Why a resource could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ResourceError {
@@ -49,7 +51,8 @@ pub trait Resources: Send + Sync {
     }
 }
 
-/// Resources held in memory, for tests and embedded scenes.
+/// Resources held in memory, for tests and embedded scenes. Paths are compared without `.` and
+/// `..`.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryResources {
     files: BTreeMap<PathBuf, Vec<u8>>,
@@ -58,7 +61,7 @@ pub struct MemoryResources {
 impl MemoryResources {
     /// Adds or replaces a file.
     pub fn insert(&mut self, path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) {
-        self.files.insert(path.into(), bytes.into());
+        self.files.insert(normalise(&path.into()), bytes.into());
     }
 
     /// The same, for building a collection in one expression.
@@ -71,15 +74,16 @@ impl MemoryResources {
 
 impl Resources for MemoryResources {
     fn read(&self, path: &Path) -> Result<Vec<u8>, ResourceError> {
-        self.files.get(path).cloned().ok_or(ResourceError::NotFound)
+        self.files.get(&normalise(path)).cloned().ok_or(ResourceError::NotFound)
     }
 
     fn exists(&self, path: &Path) -> bool {
-        self.files.contains_key(path)
+        self.files.contains_key(&normalise(path))
     }
 
     fn list(&self, folder: &Path) -> Vec<String> {
-        let inside = self.files.keys().filter(|path| path.parent() == Some(folder));
+        let folder = normalise(folder);
+        let inside = self.files.keys().filter(|path| path.parent() == Some(&folder));
         inside.filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect()
     }
 }

@@ -11,11 +11,14 @@ pub(crate) struct Defines {
     values: BTreeMap<String, Define>,
     expanded_bytes: usize,
     expansion_limit: usize,
+    /// The limit has been reached.
+    pub(crate) exhausted: bool,
 }
 
 #[derive(Clone, Debug)]
 struct Define {
-    value: String,
+    /// `None` where the scene gives a value that could not be expanded, which has been reported.
+    value: Option<String>,
     /// Given by the caller, not by the scene.
     given: bool,
     used: bool,
@@ -28,22 +31,27 @@ pub(crate) enum ExpansionError {
     Undefined { name: String, offset: usize, near: Vec<String> },
     /// The expansions have grown beyond the limit.
     TooLong,
+    /// The name has a value that could not be expanded itself.
+    Broken,
 }
 
 impl Defines {
     /// Starts with the values given by the caller.
     pub(crate) fn new(given: &[(String, String)], expansion_limit: usize) -> Self {
-        let define = |value: &String| Define { value: value.clone(), given: true, used: false };
+        let define =
+            |value: &String| Define { value: Some(value.clone()), given: true, used: false };
         let values = given.iter().map(|(name, value)| (name.clone(), define(value))).collect();
-        Self { values, expanded_bytes: 0, expansion_limit }
+        Self { values, expanded_bytes: 0, expansion_limit, exhausted: false }
     }
 
-    /// States a default, which counts unless there is a value already.
-    pub(crate) fn add_default(&mut self, name: &str, value: &str) {
+    /// States a default, which counts unless there is a value already; `None` is one that could
+    /// not be expanded.
+    pub(crate) fn add_default(&mut self, name: &str, value: Option<&str>) {
         match self.values.get_mut(name) {
             Some(define) => define.used = true,
             None => {
-                let define = Define { value: value.to_owned(), given: false, used: true };
+                let value = value.map(str::to_owned);
+                let define = Define { value, given: false, used: true };
                 self.values.insert(name.to_owned(), define);
             }
         }
@@ -63,6 +71,7 @@ impl Defines {
             expanded.push_str(value);
             position = dollar + 1 + length;
             if self.expanded_bytes + expanded.len() > self.expansion_limit {
+                self.exhausted = true;
                 return Err(ExpansionError::TooLong);
             }
         }
@@ -94,9 +103,9 @@ impl Defines {
             return Err(ExpansionError::Undefined { name, offset: dollar, near });
         };
         let length = name.len();
-        let define = self.values.get_mut(&name).ok_or(ExpansionError::TooLong)?;
+        let define = self.values.get_mut(&name).ok_or(ExpansionError::Broken)?;
         define.used = true;
-        Ok((length, &define.value))
+        Ok((length, define.value.as_deref().ok_or(ExpansionError::Broken)?))
     }
 }
 
@@ -113,8 +122,8 @@ mod tests {
     #[test]
     fn names_are_replaced_anywhere_the_longest_first() {
         let mut defines = defines();
-        defines.add_default("spp", "99");
-        defines.add_default("x", "7");
+        defines.add_default("spp", Some("99"));
+        defines.add_default("x", Some("7"));
         assert_eq!(defines.expand("$spp").unwrap(), "16", "the caller's value wins");
         assert_eq!(defines.expand("a$spp/$x.b").unwrap(), "a16/7.b");
         assert_eq!(defines.expand("$sppx$spp_").unwrap(), "1716_");
@@ -124,7 +133,7 @@ mod tests {
     #[test]
     fn what_comes_in_is_not_expanded_again() {
         let mut defines = defines();
-        defines.add_default("loop", "$loop$loop");
+        defines.add_default("loop", Some("$loop$loop"));
         assert_eq!(defines.expand("$loop").unwrap(), "$loop$loop");
     }
 
@@ -143,16 +152,23 @@ mod tests {
     #[test]
     fn growth_is_bounded_over_all_expansions() {
         let mut defines = defines();
-        defines.add_default("a", &"x".repeat(30));
+        defines.add_default("a", Some(&"x".repeat(30)));
         assert!(defines.expand("$a").is_ok());
         assert!(defines.expand("$a").is_ok());
         assert_eq!(defines.expand("$a$a"), Err(ExpansionError::TooLong));
     }
 
     #[test]
+    fn a_name_whose_value_is_broken_is_known_but_has_none() {
+        let mut defines = defines();
+        defines.add_default("a", None);
+        assert_eq!(defines.expand("$a"), Err(ExpansionError::Broken));
+    }
+
+    #[test]
     fn given_names_that_nothing_mentions_are_listed() {
         let mut defines = defines();
-        defines.add_default("sppx", "1");
+        defines.add_default("sppx", Some("1"));
         defines.expand("$spp").unwrap();
         assert_eq!(defines.unused(), (vec!["dead"], vec!["spp", "sppx"]));
     }

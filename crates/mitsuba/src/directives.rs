@@ -12,14 +12,14 @@ use crate::resolve::Target;
 pub(crate) fn default(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
     let name = element.required("name", loader.diagnostics);
     let value = element.required("value", loader.diagnostics);
-    let (Some(name), Some(value)) = (name, value) else {
+    let Some(name) = name.filter(|_| value.is_some() || element.broken) else {
         return;
     };
     if name.value.is_empty() {
         loader.diagnostics.error(Fault::BadValue, name.span, "a default needs a name");
         return;
     }
-    loader.defines.add_default(&name.value, &value.value);
+    loader.defines.add_default(&name.value, value.map(|value| &*value.value));
 }
 
 /// `<alias id="old" as="new"/>`: another id for an object.

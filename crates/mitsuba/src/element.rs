@@ -51,7 +51,7 @@ impl<'a> Element<'a> {
     ) -> Self {
         let start = node.range().start;
         let name_end = start + 1 + node.tag_name().name().len();
-        let end = node.attributes().last().map_or(name_end, |last| last.range().end);
+        let end = node.attributes().next_back().map_or(name_end, |last| last.range().end);
         let span = Span::new(source, start..end);
         let mut element = Self { node, span, attributes: Vec::new(), broken: false };
         for attribute in node.attributes() {
@@ -60,7 +60,7 @@ impl<'a> Element<'a> {
                 Ok(value) => element.push(&attribute, value, span),
                 Err(error) => {
                     element.broken = true;
-                    diagnostics.push(describe(&error, span));
+                    describe(&error, span).into_iter().for_each(|found| diagnostics.push(found));
                 }
             }
         }
@@ -107,6 +107,10 @@ impl<'a> Element<'a> {
             let message = format!("`<{}>` has no attribute `{}`", self.name(), attribute.name);
             let mut diagnostic =
                 Diagnostic::warning(Fault::UnknownParameter, attribute.span, message);
+            if diagnostics.is_full() {
+                diagnostics.push(diagnostic);
+                continue;
+            }
             let near = near_names(attribute.name, known.iter().copied());
             if !near.is_empty() {
                 diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));
@@ -170,8 +174,10 @@ impl<'a> Element<'a> {
     }
 }
 
-fn describe(error: &ExpansionError, span: Span) -> Diagnostic {
-    match error {
+/// What is to be said about an expansion that failed, if that is news.
+fn describe(error: &ExpansionError, span: Span) -> Option<Diagnostic> {
+    let diagnostic = match error {
+        ExpansionError::Broken => return None,
         ExpansionError::TooLong => Diagnostic::error(
             Fault::Limit,
             span,
@@ -193,5 +199,6 @@ fn describe(error: &ExpansionError, span: Span) -> Diagnostic {
                  `<default name=\"{name}\" value=\"…\"/>`"
             ))
         }
-    }
+    };
+    Some(diagnostic)
 }

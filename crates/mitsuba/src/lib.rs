@@ -25,7 +25,7 @@ mod values;
 
 use std::path::Path;
 
-use etendue_document::{Diagnostics, Document, Resources};
+use etendue_document::{Diagnostics, Document, Resources, Sources};
 
 pub use options::{Limits, LoadOptions};
 
@@ -33,23 +33,51 @@ pub use options::{Limits, LoadOptions};
 ///
 /// Findings go to `diagnostics`; whether the scene may be rendered is
 /// [`Diagnostics::has_errors`]. A document comes back even where there were errors, as far as it
-/// could be read, so that errors of the plugins show in the same run; `None` means that the main
-/// file is no scene at all.
+/// could be read, so that errors of the plugins show in the same run.
+///
+/// # Errors
+///
+/// Where the main file is no scene at all: then there is nothing but the texts that were read,
+/// from which the excerpts of the findings are cut.
+pub fn read_file(
+    path: &Path,
+    resources: &dyn Resources,
+    options: &LoadOptions,
+    diagnostics: &Diagnostics,
+) -> Result<Document, Sources> {
+    loader::Loader::new(resources, options, diagnostics).load_file(path)
+}
+
+/// The same for a scene in memory, whose folder is the working directory of the options.
+///
+/// # Errors
+///
+/// As [`read_file`].
+pub fn read_text(
+    text: &str,
+    resources: &dyn Resources,
+    options: &LoadOptions,
+    diagnostics: &Diagnostics,
+) -> Result<Document, Sources> {
+    loader::Loader::new(resources, options, diagnostics).load_text("<scene>", text)
+}
+
+/// [`read_file`] for callers that need no excerpts of what is no scene.
 pub fn load(
     path: &Path,
     resources: &dyn Resources,
     options: &LoadOptions,
     diagnostics: &Diagnostics,
 ) -> Option<Document> {
-    loader::Loader::new(resources, options, diagnostics).load_file(path)
+    read_file(path, resources, options, diagnostics).ok()
 }
 
-/// The same for a scene in memory, whose folder is the working directory of the options.
+/// [`read_text`] for callers that need no excerpts of what is no scene.
 pub fn load_str(
     text: &str,
     resources: &dyn Resources,
     options: &LoadOptions,
     diagnostics: &Diagnostics,
 ) -> Option<Document> {
-    loader::Loader::new(resources, options, diagnostics).load_text("<scene>", text)
+    read_text(text, resources, options, diagnostics).ok()
 }

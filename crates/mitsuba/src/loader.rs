@@ -5,7 +5,7 @@ use std::path::Path;
 
 use etendue_document::{
     Child, Class, Diagnostic, Diagnostics, Document, Fault, Node, NodeId, Parameter, Resolver,
-    Resources, SourceId, Sources, Span, Value, list_names, near_names,
+    Resources, SourceId, Sources, Span, Value, list_names, near_names, normalise,
 };
 
 use crate::defines::Defines;
@@ -13,10 +13,14 @@ use crate::element::Element;
 use crate::elements::{self, Kind};
 use crate::include::OpenFile;
 use crate::resolve::{Named, Reference, Target};
+use crate::upgrade::Versions;
 use crate::{LoadOptions, resolve, upgrade};
 
 /// Stands in a child until its reference is resolved.
 pub(crate) const UNRESOLVED: NodeId = NodeId(u32::MAX);
+
+/// A file with so many errors is not read to its end.
+const ERROR_LIMIT: usize = 500;
 
 /// Everything that is known while a scene is read.
 pub(crate) struct Loader<'a> {
@@ -32,6 +36,8 @@ pub(crate) struct Loader<'a> {
     pub(crate) open_files: Vec<OpenFile>,
     pub(crate) include_count: usize,
     pub(crate) total_bytes: usize,
+    /// The major version that each file claims.
+    versions: Versions,
     nodes: Vec<Node>,
     ids: HashMap<String, Named>,
     references: Vec<Reference>,
@@ -62,6 +68,7 @@ impl<'a> Loader<'a> {
             open_files: Vec::new(),
             include_count: 0,
             total_bytes: 0,
+            versions: Versions::new(),
             nodes: Vec::new(),
             ids: HashMap::new(),
             references: Vec::new(),
@@ -70,28 +77,32 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Reads the main file and all that follows from it.
-    pub(crate) fn load_file(mut self, path: &Path) -> Option<Document> {
+    /// Reads the main file and all that follows from it; where it is no scene, the texts read.
+    pub(crate) fn load_file(mut self, path: &Path) -> Result<Document, Sources> {
         let path = self.options.working_directory.join(path);
-        self.open_files.push(OpenFile { path: path.clone(), included_at: None });
-        let source = self.read_source(&path, None)?;
-        self.load_source(source)
+        self.open_files.push(OpenFile { path: normalise(&path), included_at: None });
+        match self.read_source(&path, None) {
+            Some(source) => self.load_source(source),
+            None => Err(self.sources),
+        }
     }
 
     /// The same for a text that is there already.
-    pub(crate) fn load_text(mut self, name: &str, text: &str) -> Option<Document> {
+    pub(crate) fn load_text(mut self, name: &str, text: &str) -> Result<Document, Sources> {
         let source = self.add_source(name.to_owned(), text.to_owned(), None);
         self.load_source(source)
     }
 
-    fn load_source(mut self, source: SourceId) -> Option<Document> {
+    fn load_source(mut self, source: SourceId) -> Result<Document, Sources> {
         self.source = source;
-        let root = self.with_xml(source, Self::scene)??;
+        let Some(root) = self.with_xml(source, Self::scene).flatten() else {
+            return Err(self.sources);
+        };
         self.report_unused_defines();
-        let Self { mut nodes, ids, mut references, diagnostics, options, .. } = self;
-        resolve::resolve(&mut nodes, &ids, &mut references, diagnostics, &options.limits);
-        upgrade::upgrade(&mut nodes, &self.sources, diagnostics);
-        Some(Document { nodes, root, sources: self.sources, resolver: self.resolver })
+        let Self { mut nodes, ids, references, diagnostics, options, .. } = self;
+        resolve::resolve(&mut nodes, &ids, &references, diagnostics, &options.limits);
+        upgrade::upgrade(&mut nodes, &self.sources, &self.versions, diagnostics);
+        Ok(Document { nodes, root, sources: self.sources, resolver: self.resolver })
     }
 
     /// The root element of the main file.
@@ -125,6 +136,9 @@ impl<'a> Loader<'a> {
             return;
         };
         let major = version.value.trim().split('.').next().and_then(|m| m.parse::<u32>().ok());
+        if let Some(major) = major {
+            self.versions.insert(self.source, major);
+        }
         let fault = match major {
             Some(0..=3) => return,
             Some(_) => (Fault::Unsupported, "this version is newer than the ones known, up to 3"),
@@ -137,7 +151,7 @@ impl<'a> Loader<'a> {
     pub(crate) fn visit_children(&mut self, node: roxmltree::Node<'_, '_>, parent: NodeId) {
         self.depth += 1;
         for child in node.children() {
-            if self.stopped {
+            if self.stopped || self.diagnostics.error_count() >= ERROR_LIMIT {
                 break;
             }
             if child.is_element() {
@@ -169,9 +183,7 @@ impl<'a> Loader<'a> {
             Some(Kind::Directive { run, attributes }) => {
                 element.check_attributes(attributes, self.diagnostics);
                 self.forbid_children(&element);
-                if !element.broken {
-                    run(self, &element, parent);
-                }
+                run(self, &element, parent);
             }
             None => self.report_unknown_element(&element),
         }
@@ -179,7 +191,9 @@ impl<'a> Loader<'a> {
 
     /// Expands an element's attributes.
     pub(crate) fn open<'b>(&mut self, node: roxmltree::Node<'b, 'b>) -> Element<'b> {
-        Element::open(node, self.source, &mut self.defines, self.diagnostics)
+        let element = Element::open(node, self.source, &mut self.defines, self.diagnostics);
+        self.stopped |= self.defines.exhausted;
+        element
     }
 
     /// A node that has been made.

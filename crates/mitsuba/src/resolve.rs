@@ -46,23 +46,20 @@ const SUGGESTED: usize = 20;
 pub(crate) fn resolve(
     nodes: &mut [Node],
     ids: &HashMap<String, Named>,
-    references: &mut [Reference],
+    references: &[Reference],
     diagnostics: &Diagnostics,
     limits: &Limits,
 ) {
+    check_aliases(ids, diagnostics);
     let wrappers = find_wrappers(nodes);
     let mut unknown = 0;
-    for reference in references.iter() {
-        match follow(ids, &reference.id) {
-            Some(Target::Node(node)) => {
-                let node = redirect(*node, reference, &wrappers, nodes, diagnostics);
-                nodes[reference.parent.index()].children[reference.child].node = node;
-            }
-            Some(_) => {}
-            None => {
-                unknown += 1;
-                report_unknown(reference, ids, unknown <= SUGGESTED, diagnostics);
-            }
+    for reference in references {
+        if let Some(node) = follow(ids, &reference.id) {
+            let node = redirect(node, reference, &wrappers, nodes, diagnostics);
+            nodes[reference.parent.index()].children[reference.child].node = node;
+        } else if !ids.contains_key(&reference.id) {
+            unknown += 1;
+            report_unknown(reference, ids, unknown <= SUGGESTED, diagnostics);
         }
     }
     remove_unresolved(nodes);
@@ -70,16 +67,37 @@ pub(crate) fn resolve(
     remove_unresolved(nodes);
 }
 
-/// What an id stands for at the end of its aliases; `None` where there is none or they go round.
-fn follow<'a>(ids: &'a HashMap<String, Named>, id: &str) -> Option<&'a Target> {
+/// An alias may stand for an alias, but hardly for a long line of them.
+const ALIAS_LIMIT: usize = 32;
+
+/// The object that an id stands for at the end of its aliases, if there is one.
+fn follow(ids: &HashMap<String, Named>, id: &str) -> Option<NodeId> {
     let mut target = &ids.get(id)?.target;
-    for _ in 0..ids.len() {
+    for _ in 0..=ALIAS_LIMIT {
         match target {
             Target::Alias(next) => target = &ids.get(next)?.target,
-            found => return Some(found),
+            Target::Node(node) => return Some(*node),
+            Target::Broken => return None,
         }
     }
     None
+}
+
+/// Reports aliases that lead to nothing.
+fn check_aliases(ids: &HashMap<String, Named>, diagnostics: &Diagnostics) {
+    for named in ids.values() {
+        let Target::Alias(id) = &named.target else {
+            continue;
+        };
+        let fault = match ids.get(id).map(|next| &next.target) {
+            None => format!("there is no object with the id `{id}` for this alias"),
+            Some(Target::Alias(_)) if follow(ids, id).is_none() => {
+                format!("the alias for `{id}` leads to no object")
+            }
+            Some(_) => continue,
+        };
+        diagnostics.error(Fault::BadValue, named.span, fault);
+    }
 }
 
 fn report_unknown(
@@ -115,10 +133,11 @@ fn find_wrappers(nodes: &[Node]) -> HashMap<NodeId, NodeId> {
     };
     for child in scene.children.iter().filter(|child| child.node != UNRESOLVED) {
         let wrapper = &nodes[child.node.index()];
-        if wrapper.class == Class::Bsdf && wrapper.id.is_none() {
-            if let Some(inner) = only_named_bsdf(nodes, wrapper) {
-                wrappers.insert(inner, child.node);
-            }
+        if wrapper.class == Class::Bsdf
+            && wrapper.id.is_none()
+            && let Some(inner) = only_named_bsdf(nodes, wrapper)
+        {
+            wrappers.insert(inner, child.node);
         }
     }
     wrappers

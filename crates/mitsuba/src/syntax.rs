@@ -42,7 +42,7 @@ fn describe(text: &str, error: &Error) -> SyntaxError {
     let ends_early = matches!(error, Error::UnclosedRootNode | Error::UnexpectedEndOfStream);
     let range = match unclosed_element(text).filter(|_| ends_early) {
         Some(range) => range,
-        None if has_position(error) => character_at(text, offset_of(text, error.pos())),
+        None if has_position(error) => word_at(text, offset_of(text, error.pos())),
         None => text.len()..text.len(),
     };
     SyntaxError { fault, message, range }
@@ -61,8 +61,11 @@ fn message(error: &Error) -> String {
         Error::MalformedEntityReference(_) => {
             "`&` must be followed by an entity; the character itself is `&amp;`".to_owned()
         }
-        Error::InvalidAttributeValue(_) => {
-            "`<` in an attribute's value; the character itself is `&lt;`".to_owned()
+        Error::InvalidAttributeValue(_) | Error::InvalidChar(b'"' | b'\'', b'<', _) => {
+            "`<` in an attribute's value: its quote is not closed, or `&lt;` is meant".to_owned()
+        }
+        Error::UnknownToken(_) => {
+            "a file is one element, with nothing but comments around it".to_owned()
         }
         Error::NoRootNode => "there is no element in this file".to_owned(),
         Error::UnexpectedDeclaration(_) => {
@@ -115,9 +118,12 @@ fn offset_of(text: &str, position: TextPos) -> usize {
     line_start + line.char_indices().nth(column).map_or(line.len(), |(offset, _)| offset)
 }
 
-fn character_at(text: &str, offset: usize) -> Range<usize> {
-    let length = text[offset..].chars().next().map_or(0, char::len_utf8);
-    offset..offset + length
+/// The word at an offset, or the character if there is none.
+fn word_at(text: &str, offset: usize) -> Range<usize> {
+    let rest = &text[offset..];
+    let word = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+    let character = rest.chars().next().map_or(0, char::len_utf8);
+    offset..offset + word.max(character)
 }
 
 /// The opening tag of the innermost element that is never closed, found with no more than a

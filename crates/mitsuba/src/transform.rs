@@ -45,7 +45,9 @@ pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
             None => failed = true,
         }
     }
-    (!failed).then_some(Value::Transform(transform))
+    // Each by itself can be usable where all together are not.
+    let usable = !failed && check(transform, planar, element, loader.diagnostics);
+    usable.then_some(Value::Transform(transform))
 }
 
 fn apply(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
@@ -155,7 +157,7 @@ fn is_affine(matrix: DMat4) -> bool {
 /// Whether a direction is lost. Independent of the scale, so that tiny objects are no fault.
 fn is_singular(matrix: DMat4) -> bool {
     let linear = DMat3::from_mat4(matrix);
-    let unit = |column: DVec3| column.try_normalize().unwrap_or(DVec3::ZERO);
+    let unit = |column: DVec3| column.normalize_or_zero();
     let unit = DMat3::from_cols(unit(linear.x_axis), unit(linear.y_axis), unit(linear.z_axis));
     unit.determinant().abs() < SINGULAR_VOLUME || !matrix.inverse().is_finite()
 }

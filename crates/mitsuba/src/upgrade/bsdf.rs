@@ -15,6 +15,19 @@ pub(super) fn upgrade(nodes: &mut Vec<Node>, index: usize, approximations: &mut 
     }
 }
 
+/// Until version 0.6 a conductor of which nothing is said is copper; since then, a mirror.
+pub(super) fn old_defaults(node: &mut Node) {
+    let conductor = matches!(node.plugin.as_str(), "conductor" | "roughconductor");
+    let stated = |name: &str| {
+        find(node, name).is_some()
+            || node.children.iter().any(|child| child.name.as_deref() == Some(name))
+    };
+    if node.class == Class::Bsdf && conductor && !["material", "eta", "k"].into_iter().any(stated) {
+        let copper = parameter(node, "material", Value::String("Cu".to_owned()));
+        node.parameters.push(copper);
+    }
+}
+
 /// `as` (anisotropic Phong, Ashikhmin and Shirley) and `phong` take Beckmann's place with the same
 /// `alpha`, from which version 0.6 derives their exponents.
 fn distribution(node: &mut Node, approximations: &mut Approximations) {

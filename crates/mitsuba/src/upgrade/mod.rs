@@ -1,6 +1,7 @@
 //! Older dialects become the names of version 3, on the document, before any plugin sees it.
 //!
-//! Real files mix dialects whatever version they claim, so every rule applies to every file.
+//! Real files mix dialects whatever version they claim, so the rules apply to every file; only defaults that have changed
+//! go by the version.
 //! What only has another name changes silently. What is rendered as something near is reported
 //! as an approximation, each kind once, with every line.
 
@@ -12,14 +13,27 @@ mod sensor;
 mod tables;
 mod texture;
 
-use etendue_document::{Class, Diagnostics, Node, Parameter, Sources, Value};
+use std::collections::HashMap;
+
+use etendue_document::{Class, Diagnostics, Node, Parameter, SourceId, Sources, Value};
 
 use approximation::Approximations;
 
+/// The major version of each file that states one.
+pub(crate) type Versions = HashMap<SourceId, u32>;
+
 /// Upgrades every node. New nodes come after the old ones.
-pub(crate) fn upgrade(nodes: &mut Vec<Node>, sources: &Sources, diagnostics: &Diagnostics) {
+pub(crate) fn upgrade(
+    nodes: &mut Vec<Node>,
+    sources: &Sources,
+    versions: &Versions,
+    diagnostics: &Diagnostics,
+) {
     let mut approximations = Approximations::default();
     nodes.iter_mut().for_each(names::upgrade);
+    for node in nodes.iter_mut().filter(|node| versions.get(&node.span.source) == Some(&0)) {
+        bsdf::old_defaults(node);
+    }
     // From the end, so that what is nested has been upgraded before what holds it.
     for index in (0..nodes.len()).rev() {
         tables::approximate_plugin(&mut nodes[index], &mut approximations);

@@ -41,6 +41,9 @@ fn rename(node: &mut Node, old: &str, new: &str) {
 /// The snake_case form of a camelCase name: an underscore before every run of capitals that
 /// follows a small letter or a digit. `None` where there is no such run.
 fn snake_case(name: &str) -> Option<String> {
+    if !name.bytes().any(|byte| byte.is_ascii_uppercase()) {
+        return None;
+    }
     let mut snake = String::with_capacity(name.len() + 4);
     let mut inside_run = false;
     let mut changed = false;

@@ -65,11 +65,11 @@ fn filter(node: &mut Node, approximations: &mut Approximations) {
 fn wrapping(node: &mut Node, approximations: &mut Approximations) {
     let u = take(node, "wrap_mode_u");
     let v = take(node, "wrap_mode_v");
-    if let (Some(u), Some(v)) = (&u, &v) {
-        if u.value != v.value {
-            let message = "`wrapModeU` counts for both directions, `wrapModeV` is left out";
-            approximations.add(message, v.span);
-        }
+    if let (Some(u), Some(v)) = (&u, &v)
+        && u.value != v.value
+    {
+        let message = "`wrapModeU` counts for both directions, `wrapModeV` is left out";
+        approximations.add(message, v.span);
     }
     if let Some(mode) = u.or(v) {
         node.parameters.push(Parameter { name: "wrap_mode".to_owned(), ..mode });

@@ -1,0 +1,285 @@
+//! Older dialects in the names of version 3.
+
+use etendue_document::Fault::Approximation;
+use etendue_document::Severity::{Note, Warning};
+use etendue_document::{Diagnostics, MemoryResources, Value};
+use etendue_mitsuba::{LoadOptions, load_str};
+use glam::{DMat4, DVec3};
+
+use super::{Loaded, clean, load, names, nested, object, value};
+
+/// Loads one approximated object, which must be reported at its line.
+fn approximated(content: &str, line: usize) -> Loaded {
+    let loaded = load(content);
+    assert_eq!(loaded.findings(), [(Warning, Approximation, line)], "{}", loaded.shown());
+    loaded
+}
+
+fn text(text: &str) -> Value {
+    Value::String(text.to_owned())
+}
+
+#[test]
+fn names_of_parameters_and_children_become_snake_case_silently() {
+    let document = clean(
+        "<bsdf type='plastic'><float name='intIOR' value='1.5'/><string name='extIOR' value='air'/>
+            <texture name='diffuseReflectance' type='checkerboard'/></bsdf>
+         <film type='hdrfilm'><integer name='cropOffsetX' value='1'/>
+            <string name='componentFormat' value='float32'/></film>",
+    );
+    let plastic = object(&document, 0);
+    assert_eq!(names(plastic), ["int_ior", "ext_ior"]);
+    assert_eq!(plastic.children[0].name.as_deref(), Some("diffuse_reflectance"));
+    assert_eq!(names(object(&document, 1)), ["crop_offset_x", "component_format"]);
+}
+
+#[test]
+fn renamed_parameters() {
+    let document = clean(
+        "<bsdf type='diffuse'><rgb name='diffuseReflectance' value='1'/></bsdf>
+         <bsdf type='roughplastic'><texture name='reflectance' type='bitmap'/></bsdf>
+         <emitter type='area'><rgb name='intensity' value='1'/></emitter>
+         <emitter type='point'><rgb name='intensity' value='1'/></emitter>
+         <film type='hdrfilm'><boolean name='highQualityEdges' value='true'/></film>
+         <bsdf type='diffuse'><rgb name='reflectance' value='1'/>
+            <rgb name='diffuseReflectance' value='0'/></bsdf>",
+    );
+    assert_eq!(names(object(&document, 0)), ["reflectance"]);
+    let child = &object(&document, 1).children[0];
+    assert_eq!(child.name.as_deref(), Some("diffuse_reflectance"));
+    assert_eq!(names(object(&document, 2)), ["radiance"]);
+    assert_eq!(names(object(&document, 3)), ["intensity"], "of a point light it is the name");
+    assert_eq!(names(object(&document, 4)), ["sample_border"]);
+    let both = object(&document, 5);
+    assert_eq!(names(both), ["reflectance", "diffuse_reflectance"], "the new name is taken");
+}
+
+#[test]
+fn integrators_this_version_lacks_become_path() {
+    for plugin in [
+        "bdpt",
+        "mlt",
+        "pssmlt",
+        "erpt",
+        "ppm",
+        "sppm",
+        "photonmapper",
+        "vpl",
+        "volpath",
+        "volpath_simple",
+        "volpathmis",
+        "ptracer",
+        "prb",
+    ] {
+        let loaded = approximated(
+            &format!(
+                "<integrator type='{plugin}'><integer name='maxDepth' value='7'/>
+                 <integer name='initialSamples' value='3'/></integrator>"
+            ),
+            2,
+        );
+        let integrator = object(&loaded.document, 0);
+        assert_eq!(integrator.plugin, "path");
+        assert_eq!(names(integrator), ["max_depth"], "what steers {plugin} is left out");
+        assert!(loaded.messages()[0].starts_with(&format!("`{plugin}` is rendered as `path`")));
+    }
+    for plugin in ["path", "direct", "depth", "moment", "aov"] {
+        assert_eq!(object(&clean(&format!("<integrator type='{plugin}'/>")), 0).plugin, plugin);
+    }
+}
+
+#[test]
+fn integrators_that_steer_another_one_give_way_to_it() {
+    let loaded = load(
+        "<integrator type='adaptive'><float name='maxError' value='5'/>
+            <integrator type='irrcache'>
+                <integrator type='bdpt'><integer name='maxDepth' value='3'/></integrator>
+            </integrator></integrator>",
+    );
+    let lines: Vec<usize> = loaded.findings().iter().map(|found| found.2).collect();
+    assert_eq!(lines, [2, 3, 4], "{}", loaded.shown());
+    let integrator = object(&loaded.document, 0);
+    assert_eq!((integrator.plugin.as_str(), names(integrator)), ("path", vec!["max_depth"]));
+    assert!(integrator.children.is_empty());
+}
+
+#[test]
+fn a_perspective_with_an_aperture_is_a_thin_lens() {
+    let loaded = load(
+        "<sensor type='perspective'><film type='hdrfilm'/>
+            <float name='apertureRadius' value='0.07'/>
+            <float name='focusDistance' value='8'/></sensor>",
+    );
+    assert_eq!(loaded.findings(), [(Note, Approximation, 3)]);
+    assert_eq!(object(&loaded.document, 0).plugin, "thinlens");
+    let document = clean(
+        "<sensor type='perspective'><float name='focus_distance' value='8'/></sensor>
+         <sensor type='perspective'><float name='aperture_radius' value='0'/></sensor>",
+    );
+    assert_eq!(object(&document, 0).plugin, "perspective", "a pinhole is in focus everywhere");
+    assert_eq!(object(&document, 1).plugin, "perspective");
+    assert_eq!(names(object(&document, 1)), [""; 0]);
+}
+
+#[test]
+fn texture_coordinates_are_scaled_then_moved() {
+    let document = clean(
+        "<texture type='bitmap'><float name='uscale' value='2'/><integer name='vscale' value='3'/>
+            <float name='uoffset' value='0.5'/></texture>
+         <texture type='checkerboard'><float name='voffset' value='0.25'/>
+            <transform name='toUV'><scale value='2'/></transform></texture>",
+    );
+    let Value::Transform(matrix) = value(object(&document, 0), "to_uv") else { panic!() };
+    assert_eq!(matrix.transform_point3(DVec3::ONE), DVec3::new(2.5, 3.0, 1.0));
+    let Value::Transform(matrix) = value(object(&document, 1), "to_uv") else { panic!() };
+    let expected =
+        DMat4::from_scale(DVec3::splat(2.0)) * DMat4::from_translation(DVec3::new(0.0, 0.25, 0.0));
+    assert_eq!(*matrix, expected, "what stands there already comes after");
+}
+
+#[test]
+fn texture_filters_with_levels_are_reported_once_with_every_line() {
+    let texture = "<texture type='bitmap'><string name='filterType' value='ewa'/></texture>\n";
+    let loaded = approximated(&texture.repeat(3), 2);
+    assert_eq!(value(object(&loaded.document, 2), "filter_type"), &text("bilinear"));
+    assert_eq!(loaded.diagnostics.sorted()[0].help, ["also on lines 3, 4"]);
+    for filter in ["trilinear", "isotropic"] {
+        approximated(&texture.replace("ewa", filter), 2);
+    }
+    for filter in ["nearest", "bilinear"] {
+        let document = clean(&texture.replace("ewa", filter));
+        assert_eq!(value(object(&document, 0), "filter_type"), &text(filter));
+    }
+}
+
+#[test]
+fn wrap_modes_become_one() {
+    let mode = |u: &str, v: &str| {
+        load(&format!(
+            "<texture type='bitmap'><string name='wrapModeU' value='{u}'/>
+                <string name='wrapModeV' value='{v}'/></texture>"
+        ))
+    };
+    let same = mode("mirror", "mirror");
+    assert_eq!(same.findings(), []);
+    assert_eq!(value(object(&same.document, 0), "wrap_mode"), &text("mirror"));
+    let different = mode("repeat", "clamp");
+    assert_eq!(different.findings(), [(Warning, Approximation, 3)]);
+    assert_eq!(value(object(&different.document, 0), "wrap_mode"), &text("repeat"));
+    let zero = mode("zero", "zero");
+    assert_eq!(zero.findings(), [(Warning, Approximation, 2)]);
+    assert_eq!(value(object(&zero.document, 0), "wrap_mode"), &text("clamp"));
+}
+
+#[test]
+fn a_texture_gamma_of_one_means_raw() {
+    let gamma = |value: &str| {
+        load(&format!(
+            "<texture type='bitmap'><float name='gamma' value='{value}'/></texture>
+             <film type='ldrfilm'><float name='gamma' value='2.2'/></film>"
+        ))
+    };
+    let raw = gamma("1");
+    assert_eq!(raw.findings(), []);
+    assert_eq!(value(object(&raw.document, 0), "raw"), &Value::Boolean(true));
+    assert_eq!(names(object(&raw.document, 1)), ["gamma"], "of a film it stays");
+    assert_eq!(names(object(&gamma("-1").document, 0)), [""; 0]);
+    assert_eq!(gamma("2.2").findings(), [(Warning, Approximation, 2)]);
+}
+
+#[test]
+fn phong_becomes_a_blend_of_its_two_lobes() {
+    let loaded = approximated(
+        "<bsdf type='phong' id='p'><float name='exponent' value='49.5'/>
+            <rgb name='diffuseReflectance' value='0.3, 0.1, 0.1'/>
+            <spectrum name='specularReflectance' value='0.1'/></bsdf>",
+        2,
+    );
+    let document = &loaded.document;
+    let blend = object(document, 0);
+    assert_eq!((blend.plugin.as_str(), blend.id.as_deref()), ("blendbsdf", Some("p")));
+    assert_eq!(value(blend, "weight"), &Value::Float(0.25));
+    let diffuse = nested(document, blend, 0);
+    let Value::Rgb(reflectance) = value(diffuse, "reflectance") else { panic!() };
+    // Times its weight of 3/4 it is what the file says.
+    assert!((*reflectance * 0.75 - DVec3::new(0.3, 0.1, 0.1)).length() < 1e-12);
+    let lobe = nested(document, blend, 1);
+    assert_eq!(lobe.plugin, "roughconductor");
+    let Value::Rgb(reflectance) = value(lobe, "specular_reflectance") else { panic!() };
+    assert!((*reflectance * 0.25 - DVec3::splat(0.1)).length() < 1e-12);
+    // α² = 1 / (2 · 49.5 + 1).
+    assert_eq!(value(lobe, "alpha_u"), &Value::Float(0.1));
+    assert_eq!(value(lobe, "material"), &text("none"));
+}
+
+#[test]
+fn ward_keeps_its_two_roughnesses() {
+    let loaded = approximated(
+        "<bsdf type='ward'><float name='alphaU' value='0.2'/><float name='alphaV' value='0.3'/>
+            <string name='variant' value='balanced'/></bsdf>",
+        2,
+    );
+    let lobe = nested(&loaded.document, object(&loaded.document, 0), 1);
+    assert_eq!(value(lobe, "alpha_u"), &Value::Float(0.2));
+    assert_eq!(value(lobe, "alpha_v"), &Value::Float(0.3));
+}
+
+#[test]
+fn phong_with_a_texture_becomes_rough_plastic() {
+    let loaded = approximated(
+        "<bsdf type='phong'><texture type='bitmap' name='diffuseReflectance'/>
+            <float name='exponent' value='49.5'/></bsdf>",
+        2,
+    );
+    let plastic = object(&loaded.document, 0);
+    assert_eq!((plastic.plugin.as_str(), names(plastic)), ("roughplastic", vec!["alpha"]));
+    let Value::Float(alpha) = value(plastic, "alpha") else { panic!() };
+    assert!((alpha - 0.1).abs() < 1e-15);
+    assert_eq!(plastic.children[0].name.as_deref(), Some("diffuse_reflectance"));
+}
+
+#[test]
+fn distributions_that_are_gone_become_beckmann() {
+    for name in ["phong", "as"] {
+        let loaded = approximated(
+            &format!(
+                "<bsdf type='roughdielectric'><string name='distribution' value='{name}'/></bsdf>"
+            ),
+            2,
+        );
+        assert_eq!(value(object(&loaded.document, 0), "distribution"), &text("beckmann"));
+    }
+    clean("<bsdf type='roughplastic'><string name='distribution' value='ggx'/></bsdf>");
+}
+
+#[test]
+fn plugins_that_are_gone_become_the_nearest() {
+    for (content, new) in [
+        ("<sensor type='telecentric'/>", "orthographic"),
+        ("<sensor type='perspective_rdist'/>", "perspective"),
+        ("<film type='tiledhdrfilm'/>", "hdrfilm"),
+    ] {
+        assert_eq!(object(&approximated(content, 2).document, 0).plugin, new);
+    }
+    for plugin in ["difftrans", "hk", "roughdiffuse", "coating"] {
+        let document = clean(&format!("<bsdf type='{plugin}'/>"));
+        assert_eq!(object(&document, 0).plugin, plugin, "is left to who builds it");
+    }
+}
+
+#[test]
+fn a_conductor_of_which_nothing_is_said_is_copper_in_old_scenes_only() {
+    let material = |version: &str, content: &str| {
+        let text =
+            format!("<scene version='{version}'><bsdf type='conductor'>{content}</bsdf></scene>");
+        let diagnostics = Diagnostics::new();
+        let resources = MemoryResources::default();
+        let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics).unwrap();
+        object(&document, 0).parameters.last().map(|last| last.value.clone())
+    };
+    assert_eq!(material("0.6.0", ""), Some(text("Cu")));
+    assert_eq!(material("3.0.0", ""), None);
+    assert_eq!(material("0.6.0", "<string name='material' value='Au'/>"), Some(text("Au")));
+    let eta = material("0.6.0", "<rgb name='eta' value='1'/>");
+    assert_eq!(eta, Some(Value::Rgb(DVec3::ONE)));
+}
