@@ -55,6 +55,7 @@ mod error;
 mod error_bounds;
 mod geometry;
 mod instance;
+mod memory;
 mod node;
 mod options;
 mod simd;

@@ -15,12 +15,12 @@
 //!
 //! So a triangle is hit at least wherever the exact test of the sheared mesh would hit it.
 
-use crate::node::{Lanes, TriangleBlock};
+use crate::node::{Lanes, TriangleBlock, WIDTH};
 use crate::simd::Simd;
 use crate::traverse::ray::RayConstants;
 
-/// Candidates among the eight triangles of a block, in units that leave the division by the
-/// determinant to the end.
+/// The lanes of a block that are hit. The division of `v` and `w` by the determinant is left to
+/// the end of the traversal.
 pub(crate) struct BlockHits {
     /// A bit for each lane that is hit with `0 < t ≤ t_max`.
     pub(crate) mask: u32,
@@ -37,16 +37,29 @@ pub(crate) struct BlockHits {
 /// Two coordinates across the ray and the distance along it, for eight vertices.
 type Sheared<S> = [<S as Simd>::Vector; 3];
 
-/// Tests a block against the ray; `None` where no lane is hit at all.
+/// A block of which some lane may be hit.
+pub(crate) struct Candidates<S: Simd> {
+    /// The lanes that are hit for certain.
+    mask: u32,
+    /// The lanes that single precision cannot decide.
+    doubtful: u32,
+    vertices: [Sheared<S>; 3],
+    t: S::Vector,
+    v: S::Vector,
+    w: S::Vector,
+    determinant: S::Vector,
+}
+
+/// Tests a block against the ray; `None` where the ray passes outside of all lanes.
 #[inline(always)]
 pub(crate) fn intersect_block<S: Simd>(
     block: &TriangleBlock,
     ray: &RayConstants,
     t_max: f32,
-) -> Option<BlockHits> {
-    let a = shear::<S>(&block.vertices[0], ray);
-    let b = shear::<S>(&block.vertices[1], ray);
-    let c = shear::<S>(&block.vertices[2], ray);
+) -> Option<Candidates<S>> {
+    let a = shear::<S>(block, 0, ray);
+    let b = shear::<S>(block, 1, ray);
+    let c = shear::<S>(block, 2, ray);
     let u = edge_function::<S>(&c, &b);
     let v = edge_function::<S>(&a, &c);
     let w = edge_function::<S>(&b, &a);
@@ -55,8 +68,7 @@ pub(crate) fn intersect_block<S: Simd>(
     let zero = S::splat(0.0);
     let least = S::least(u, S::least(v, w));
     let greatest = S::greatest(u, S::greatest(v, w));
-    let outside = S::both_less(least, zero, zero, greatest);
-    let inside = !outside & 0xff;
+    let inside = !S::both_less(least, zero, zero, greatest) & 0xff;
     if inside == 0 {
         return None;
     }
@@ -66,28 +78,73 @@ pub(crate) fn intersect_block<S: Simd>(
     let along = S::add(S::multiply(u, a[2]), S::add(S::multiply(v, b[2]), S::multiply(w, c[2])));
     let t = S::divide(along, determinant);
     let within = S::less(zero, t) & S::less_equal(t, S::splat(t_max));
-    let mut hits = BlockHits {
+    Some(Candidates {
         mask: inside & sound & within,
-        t: S::store(t),
-        v: S::store(v),
-        w: S::store(w),
-        determinant: S::store(determinant),
-    };
-    if inside & !sound != 0 {
-        let vertices = [a, b, c].map(|vertex| vertex.map(S::store));
-        resolve_exactly(&mut hits, inside & !sound, &vertices, t_max);
+        doubtful: inside & !sound,
+        vertices: [a, b, c],
+        t,
+        v,
+        w,
+        determinant,
+    })
+}
+
+impl<S: Simd> Candidates<S> {
+    /// Whether any lane is hit.
+    #[inline(always)]
+    pub(crate) fn any(&self, t_max: f32) -> bool {
+        self.mask != 0
+            || (self.doubtful != 0 && resolve(self.doubtful, &self.vertices(), t_max).mask != 0)
     }
-    (hits.mask != 0).then_some(hits)
+
+    /// The lanes that are hit, if there are any.
+    #[inline(always)]
+    pub(crate) fn hits(&self, t_max: f32) -> Option<BlockHits> {
+        if self.mask | self.doubtful == 0 {
+            return None;
+        }
+        let mut hits = BlockHits {
+            mask: self.mask,
+            t: S::store(self.t),
+            v: S::store(self.v),
+            w: S::store(self.w),
+            determinant: S::store(self.determinant),
+        };
+        if self.doubtful != 0 {
+            hits.merge(&resolve(self.doubtful, &self.vertices(), t_max));
+        }
+        Some(hits)
+    }
+
+    #[inline(always)]
+    fn vertices(&self) -> [[Lanes; 3]; 3] {
+        let store = |v: &Sheared<S>| [S::store(v[0]), S::store(v[1]), S::store(v[2])];
+        [store(&self.vertices[0]), store(&self.vertices[1]), store(&self.vertices[2])]
+    }
+}
+
+impl BlockHits {
+    /// Adds the lanes of another.
+    #[cold]
+    fn merge(&mut self, other: &Self) {
+        for lane in (0..WIDTH).filter(|lane| other.mask >> lane & 1 != 0) {
+            self.t.0[lane] = other.t.0[lane];
+            self.v.0[lane] = other.v.0[lane];
+            self.w.0[lane] = other.w.0[lane];
+            self.determinant.0[lane] = other.determinant.0[lane];
+        }
+        self.mask |= other.mask;
+    }
 }
 
 #[inline(always)]
-fn shear<S: Simd>(vertex: &[Lanes; 3], ray: &RayConstants) -> Sheared<S> {
-    let [x_axis, y_axis, z_axis] = ray.axes;
-    let relative = |axis: usize| S::subtract(S::load(&vertex[axis]), S::splat(ray.origin[axis]));
-    let z = relative(z_axis);
+fn shear<S: Simd>(block: &TriangleBlock, vertex: usize, ray: &RayConstants) -> Sheared<S> {
+    let x = S::subtract(S::load(ray.coordinate(block, vertex, 0)), S::splat(ray.origin[0]));
+    let y = S::subtract(S::load(ray.coordinate(block, vertex, 1)), S::splat(ray.origin[1]));
+    let z = S::subtract(S::load(ray.coordinate(block, vertex, 2)), S::splat(ray.origin[2]));
     [
-        S::subtract(relative(x_axis), S::multiply(S::splat(ray.shear[0]), z)),
-        S::subtract(relative(y_axis), S::multiply(S::splat(ray.shear[1]), z)),
+        S::subtract(x, S::multiply(S::splat(ray.shear[0]), z)),
+        S::subtract(y, S::multiply(S::splat(ray.shear[1]), z)),
         S::multiply(S::splat(ray.shear[2]), z),
     ]
 }
@@ -101,8 +158,10 @@ fn edge_function<S: Simd>(p: &Sheared<S>, q: &Sheared<S>) -> S::Vector {
 /// coordinates are so large or small that products leave the range of `f32`.
 #[cold]
 #[inline(never)]
-fn resolve_exactly(hits: &mut BlockHits, doubtful: u32, vertices: &[[Lanes; 3]; 3], t_max: f32) {
-    for lane in (0..8).filter(|lane| doubtful >> lane & 1 != 0) {
+fn resolve(doubtful: u32, vertices: &[[Lanes; 3]; 3], t_max: f32) -> BlockHits {
+    let none = Lanes([0.0; WIDTH]);
+    let mut hits = BlockHits { mask: 0, t: none, v: none, w: none, determinant: none };
+    for lane in (0..WIDTH).filter(|lane| doubtful >> lane & 1 != 0) {
         let [a, b, c] = [0, 1, 2].map(|k| vertices[k].each_ref().map(|x| f64::from(x.0[lane])));
         let edge_function = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
         let (u, v, w) = (edge_function(c, b), edge_function(a, c), edge_function(b, a));
@@ -117,4 +176,5 @@ fn resolve_exactly(hits: &mut BlockHits, doubtful: u32, vertices: &[[Lanes; 3]; 
             hits.determinant.0[lane] = 1.0;
         }
     }
+    hits
 }

@@ -1,7 +1,7 @@
 //! Rays per second on the triangles of a folder of OBJ files, beside Embree if its library is given:
 //!
 //! ```text
-//! cargo run --release -p etendue-bvh --example rays -- MODELS [LIBEMBREE4.SO [ROUNDS [PRESET]]]
+//! cargo run --release -p etendue-bvh --example rays -- MODELS [LIBEMBREE4.SO [ROUNDS [PRESET [VARIANTS [KIND]]]]]
 //! ```
 //!
 //! Embree's library is in the wheel `embreex` of the Python package index, beside the `libtbb` that
@@ -50,7 +50,7 @@ impl Tracer for Ours {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [models, ..] = arguments.as_slice() else {
-        return Err("usage: rays MODELS [LIBEMBREE4.SO [ROUNDS [PRESET]]]".into());
+        return Err("usage: rays MODELS [LIBEMBREE4.SO [ROUNDS [PRESET [VARIANTS [KIND]]]]]".into());
     };
     let meshes = obj::read_folder(models)?;
     let triangles: usize = meshes.iter().map(|mesh| mesh.indices.len()).sum();
@@ -60,7 +60,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let workload = Workload::new(&ours[0].1);
     let mut tracers: Vec<Box<dyn Tracer>> = Vec::new();
     if let Some(library) = arguments.get(1).filter(|library| library.as_str() != "-") {
-        for variant in embree::VARIANTS {
+        let variants = arguments.get(4).map_or(Ok(3), |count| count.parse())?;
+        for variant in embree::VARIANTS.into_iter().take(variants) {
             tracers.push(Box::new(embree::Scene::build(library, variant, &meshes)?));
         }
     }
@@ -68,7 +69,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         tracers.push(Box::new(ours));
     }
     let rounds = arguments.get(2).map_or(Ok(5), |rounds| rounds.parse())?;
-    report(&tracers, &workload, rounds);
+    let kinds: Vec<Kind> = match arguments.get(5) {
+        Some(name) => Kind::ALL.into_iter().filter(|kind| format!("{kind:?}") == *name).collect(),
+        None => Kind::ALL.to_vec(),
+    };
+    report(&tracers, &workload, &kinds, rounds);
     Ok(())
 }
 
@@ -111,11 +116,11 @@ fn build((name, options): (&'static str, BuildOptions), meshes: &[Mesh]) -> Ours
     Ours(name, bvh)
 }
 
-fn report(tracers: &[Box<dyn Tracer>], workload: &Workload, rounds: usize) {
+fn report(tracers: &[Box<dyn Tracer>], workload: &Workload, kinds: &[Kind], rounds: usize) {
     let mut best = vec![[f64::INFINITY; Kind::ALL.len()]; tracers.len()];
     let mut hits = vec![[0; Kind::ALL.len()]; tracers.len()];
     for _ in 0..rounds {
-        for (column, kind) in Kind::ALL.into_iter().enumerate() {
+        for (column, kind) in kinds.iter().copied().enumerate() {
             for (row, tracer) in tracers.iter().enumerate() {
                 let rays = workload.rays(kind);
                 let start = workload::thread_seconds();
@@ -129,11 +134,11 @@ fn report(tracers: &[Box<dyn Tracer>], workload: &Workload, rounds: usize) {
             }
         }
     }
-    let header: Vec<String> = Kind::ALL.iter().map(|kind| format!("{kind:?}")).collect();
+    let header: Vec<String> = kinds.iter().map(|kind| format!("{kind:?}")).collect();
     println!("{:32} {}", "Mrays/s (ratio to the first)", header.join("          "));
     for (row, tracer) in tracers.iter().enumerate() {
         print!("{:32}", tracer.name());
-        for (column, kind) in Kind::ALL.into_iter().enumerate() {
+        for (column, kind) in kinds.iter().copied().enumerate() {
             let rate = workload.rays(kind).len() as f64 * 1e-6 / best[row][column];
             print!(" {rate:6.2} ({:4.2})   ", best[0][column] / best[row][column]);
         }

@@ -9,6 +9,7 @@ use super::binned::BinaryNode;
 use super::reference::Reference;
 use crate::error_bounds::padded;
 use crate::geometry::GeometryView;
+use crate::memory::vector_with_capacity;
 use crate::node::{Child, Custom, Node, TriangleBlock, WIDTH};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -107,6 +108,9 @@ pub(super) fn collapse(tree: &[BinaryNode], references: &[Reference]) -> Wide {
     } else {
         wide.nodes.push(Node::EMPTY);
     }
+    let mut nodes = vector_with_capacity(wide.nodes.len());
+    nodes.append(&mut wide.nodes);
+    wide.nodes = nodes;
     wide
 }
 
@@ -159,13 +163,15 @@ impl Wide {
         references: &[Reference],
         geometries: &[GeometryView<'_>],
     ) -> Vec<TriangleBlock> {
+        let mut blocks = vector_with_capacity(self.block_ranges.len());
         self.block_ranges
             .par_iter()
             .map(|&(first, count)| {
                 let references = &references[first as usize..(first + count) as usize];
                 fill_block(references, geometries)
             })
-            .collect()
+            .collect_into_vec(&mut blocks);
+        blocks
     }
 }
 

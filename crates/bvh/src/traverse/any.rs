@@ -18,8 +18,9 @@ pub(super) fn any<S: Simd, P: Primitives>(
     instance: u32,
 ) -> bool {
     let Some(constants) = RayConstants::new(ray) else { return false };
-    let boxes = BoxConstants::<S>::new(ray);
-    let t_max = ray.t_max.next_down();
+    let boxes = BoxConstants::<S>::new(ray, &constants);
+    // Hits count below the ray's end, and the test counts them up to its own.
+    let t_max = f32::from_bits(ray.t_max.to_bits() - 1);
     let t_max_lanes = S::splat(t_max);
     let mut stack = [MaybeUninit::<Child>::uninit(); STACK_SIZE];
     let mut waiting = 0;
@@ -41,7 +42,8 @@ pub(super) fn any<S: Simd, P: Primitives>(
                 ChildKind::Block(index) => {
                     // SAFETY: the builder made as many blocks as it numbered.
                     let block = unsafe { bvh.blocks.get_unchecked(index) };
-                    intersect_block::<S>(block, &constants, t_max).is_some()
+                    intersect_block::<S>(block, &constants, t_max)
+                        .is_some_and(|candidates| candidates.any(t_max))
                 }
                 ChildKind::Custom { first, count } => occludes_custom(
                     bvh,

@@ -26,20 +26,45 @@ fn distance(entry: Entry) -> f32 {
 
 /// The nearest hit so far.
 struct Nearest {
-    /// The distance; hits count up to it, inclusive.
+    /// The distance; hits count up to it, inclusive. `hit.t` is the same, if there is a hit.
     t_max: f32,
-    hit: Option<Hit>,
+    /// The hit, except that `u` and `v` are yet to be divided by the determinant.
+    hit: Hit,
+    determinant: f32,
 }
 
 impl Nearest {
+    /// The `geometry` while there is none.
+    const NOTHING: u32 = u32::MAX;
+
+    #[inline(always)]
+    fn new(t_max: f32, instance: u32) -> Self {
+        let nothing = Self::NOTHING;
+        let hit = Hit { t: 0.0, u: 0.0, v: 0.0, geometry: nothing, primitive: nothing, instance };
+        // Distances are below the ray's own end, and up to that of a hit.
+        let t_max = f32::from_bits(t_max.to_bits() - 1);
+        Self { t_max, hit, determinant: 1.0 }
+    }
+
     /// Takes a hit that is nearer, or as near and of a lower number.
     #[inline(always)]
-    fn offer(&mut self, hit: Hit) {
+    fn offer(&mut self, hit: Hit, determinant: f32) {
         let rank = |hit: &Hit| (hit.instance, hit.geometry, hit.primitive);
-        if hit.t < self.t_max || self.hit.as_ref().is_none_or(|old| rank(&hit) < rank(old)) {
+        if hit.t < self.t_max
+            || (hit.t == self.t_max
+                && (self.hit.geometry == Self::NOTHING || rank(&hit) < rank(&self.hit)))
+        {
             self.t_max = hit.t;
-            self.hit = Some(hit);
+            self.hit = hit;
+            self.determinant = determinant;
         }
+    }
+
+    #[inline(always)]
+    fn finish(self) -> Option<Hit> {
+        let Self { hit, determinant, .. } = self;
+        (hit.geometry != Self::NOTHING)
+            .then(|| Hit { u: hit.u / determinant, v: hit.v / determinant, ..hit })
     }
 }
 
@@ -51,8 +76,8 @@ pub(super) fn closest<S: Simd, P: Primitives>(
     instance: u32,
 ) -> Option<Hit> {
     let constants = RayConstants::new(ray)?;
-    let boxes = BoxConstants::<S>::new(ray);
-    let mut nearest = Nearest { t_max: ray.t_max.next_down(), hit: None };
+    let boxes = BoxConstants::<S>::new(ray, &constants);
+    let mut nearest = Nearest::new(ray.t_max, instance);
     let mut stack = [MaybeUninit::<Entry>::uninit(); STACK_SIZE];
     let mut waiting = 0;
     let mut current = Child::node(0);
@@ -73,8 +98,20 @@ pub(super) fn closest<S: Simd, P: Primitives>(
                     let slot = slot & (WIDTH - 1);
                     entry(enter.0[slot], node.children[slot])
                 };
-                let mut next = key(first);
+                let (a, b) = (key(first), key(mask.trailing_zeros() as usize));
+                mask &= mask - 1;
+                if mask == 0 {
+                    // SAFETY: the depth of the hierarchy keeps `waiting` below STACK_SIZE.
+                    unsafe { stack.get_unchecked_mut(waiting) }.write(a.max(b));
+                    waiting += 1;
+                    current = Child(a.min(b) as u32);
+                    continue;
+                }
                 let bottom = waiting;
+                // SAFETY: the depth of the hierarchy keeps `waiting` below STACK_SIZE.
+                unsafe { stack.get_unchecked_mut(waiting) }.write(a.max(b));
+                waiting += 1;
+                let mut next = a.min(b);
                 while mask != 0 {
                     let other = key(mask.trailing_zeros() as usize);
                     mask &= mask - 1;
@@ -101,7 +138,10 @@ pub(super) fn closest<S: Simd, P: Primitives>(
                 ChildKind::Block(index) => {
                     // SAFETY: the builder made as many blocks as it numbered.
                     let block = unsafe { bvh.blocks.get_unchecked(index) };
-                    if let Some(hits) = intersect_block::<S>(block, &constants, nearest.t_max) {
+                    let found = intersect_block::<S>(block, &constants, nearest.t_max);
+                    if let Some(candidates) = found
+                        && let Some(hits) = candidates.hits(nearest.t_max)
+                    {
                         offer_block(&mut nearest, block, &hits, instance);
                     }
                 }
@@ -119,7 +159,7 @@ pub(super) fn closest<S: Simd, P: Primitives>(
         }
         loop {
             if waiting == 0 {
-                return nearest.hit;
+                return nearest.finish();
             }
             waiting -= 1;
             // SAFETY: entries below `waiting` have been written.
@@ -139,17 +179,15 @@ fn offer_block(nearest: &mut Nearest, block: &TriangleBlock, hits: &BlockHits, i
     while mask != 0 {
         let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
         mask &= mask - 1;
-        if hits.t.0[lane] > nearest.t_max {
-            continue;
-        }
-        nearest.offer(Hit {
+        let hit = Hit {
             t: hits.t.0[lane],
-            u: hits.v.0[lane] / hits.determinant.0[lane],
-            v: hits.w.0[lane] / hits.determinant.0[lane],
+            u: hits.v.0[lane],
+            v: hits.w.0[lane],
             geometry: block.geometry[lane],
             primitive: block.primitive[lane],
             instance,
-        });
+        };
+        nearest.offer(hit, hits.determinant.0[lane]);
     }
 }
 
@@ -187,7 +225,7 @@ fn intersect_custom<P: Primitives>(
             && hit.t > 0.0
             && hit.t <= nearest.t_max
         {
-            nearest.offer(hit);
+            nearest.offer(hit, 1.0);
         }
     }
 }

@@ -1,27 +1,39 @@
 //! What the tests need of a ray, computed once per ray.
 
 use crate::error_bounds::{LEAST_DIRECTION, PADDING};
+use crate::node::{Lanes, Node, TriangleBlock};
 use crate::simd::Simd;
 use etendue_math::Ray;
+use glam::Vec3A;
 
 /// The constants of the triangle test.
 #[derive(Clone, Copy)]
 pub(crate) struct RayConstants {
-    /// The origin.
+    /// The origin, in the order of `axes`.
     pub(crate) origin: [f32; 3],
-    /// The two minor axes, then that of the direction's greatest component.
-    pub(crate) axes: [usize; 3],
     /// The direction's slope along the minor axes, then one over its greatest component.
     pub(crate) shear: [f32; 3],
+    /// The two minor axes, then that of the direction's greatest component.
+    axes: [usize; 3],
+    /// One over the direction, whose components are held off zero.
+    inverse: Vec3A,
 }
 
-/// The constants of the box test, in all lanes.
+/// The constants of the box test, in all lanes: distances on an axis are
+/// `plane · inverse + offset`, and the offset differs between near and far planes by the padding.
 pub(crate) struct BoxConstants<S: Simd> {
-    inverse: [S::Vector; 3],
-    near_offset: [S::Vector; 3],
-    far_offset: [S::Vector; 3],
-    /// Which of a node's six planes is met first on each axis.
-    near_plane: [usize; 3],
+    x: AxisConstants<S>,
+    y: AxisConstants<S>,
+    z: AxisConstants<S>,
+}
+
+struct AxisConstants<S: Simd> {
+    inverse: S::Vector,
+    near_offset: S::Vector,
+    far_offset: S::Vector,
+    /// Which of a node's six planes is met first, and which then.
+    near_plane: usize,
+    far_plane: usize,
 }
 
 impl RayConstants {
@@ -29,65 +41,132 @@ impl RayConstants {
     /// without a normal number in it.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Option<Self> {
-        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let size = ray.direction.abs();
-        let z = if size.x > size.y && size.x > size.z {
-            0
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let usable = ray.direction.is_finite()
-            && size[z] >= f32::MIN_POSITIVE
-            && ray.origin.is_finite()
-            && ray.t_max > 0.0;
-        let shear = [
-            direction[axes[0]] / direction[z],
-            direction[axes[1]] / direction[z],
-            1.0 / direction[z],
-        ];
-        usable.then_some(Self { origin, axes, shear })
+        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
+        let size = direction.abs();
+        let greatest = greatest_component(size);
+        // Zero times a number that is not finite is not a number, and neither is their sum.
+        let zero = (origin.abs() + size) * 0.0;
+        let usable = zero.cmpeq(Vec3A::ZERO).all()
+            & (greatest >= f32::MIN_POSITIVE)
+            & (ray.t_max > 0.0);
+        if !usable {
+            return None;
+        }
+        // By table: which axis it is cannot be foretold, and a wrong guess costs as much as a node.
+        let at_greatest = size.cmpge(Vec3A::splat(greatest)).bitmask() as usize;
+        let axes = AXES[at_greatest & 7];
+        let held = size.max(Vec3A::splat(greatest * LEAST_DIRECTION));
+        let inverse = Vec3A::ONE / held.copysign(direction);
+        let pick = |vector: [f32; 3], place: usize| vector[axes[place]];
+        let (place, slope) = (origin.to_array(), direction.to_array());
+        let inverse_z = pick(inverse.to_array(), 2);
+        Some(Self {
+            origin: [pick(place, 0), pick(place, 1), pick(place, 2)],
+            shear: [pick(slope, 0) * inverse_z, pick(slope, 1) * inverse_z, inverse_z],
+            axes,
+            inverse,
+        })
+    }
+
+    /// A vertex's coordinates of a block in the order of `axes`.
+    #[inline(always)]
+    pub(crate) fn coordinate<'a>(
+        &self,
+        block: &'a TriangleBlock,
+        vertex: usize,
+        axis: usize,
+    ) -> &'a Lanes {
+        // SAFETY: `axes` is a permutation of 0, 1, 2.
+        unsafe { block.vertices[vertex].get_unchecked(self.axes[axis]) }
     }
 }
 
+/// As `max_element`, without its care for what is not a number.
+#[inline(always)]
+fn greatest_component(vector: Vec3A) -> f32 {
+    let greater = |a: f32, b: f32| if a > b { a } else { b };
+    greater(greater(vector.x, vector.y), vector.z)
+}
+
+/// Three axes in cyclic order, the last of which is among the bits of the place.
+static AXES: [[usize; 3]; 8] = {
+    const X: [usize; 3] = [1, 2, 0];
+    const Y: [usize; 3] = [2, 0, 1];
+    const Z: [usize; 3] = [0, 1, 2];
+    [Z, X, Y, X, Z, X, Y, X]
+};
+
 impl<S: Simd> BoxConstants<S> {
     #[inline(always)]
-    pub(crate) fn new(ray: &Ray) -> Self {
-        let least = ray.direction.abs().max_element() * LEAST_DIRECTION;
-        let padding = ray.origin.abs().max_element() * PADDING;
-        let inverse = ray.direction.to_array().map(|d| 1.0 / d.abs().max(least).copysign(d));
-        let offset = |sign: f32| {
-            [0, 1, 2].map(|axis| {
-                let inverse = inverse[axis];
-                S::splat(-ray.origin[axis] * inverse + sign * padding * inverse.abs())
-            })
-        };
+    pub(crate) fn new(ray: &Ray, constants: &RayConstants) -> Self {
+        let origin = Vec3A::from(ray.origin);
+        let padding = greatest_component(origin.abs()) * PADDING;
+        let offset = -origin * constants.inverse;
+        let padding = padding * constants.inverse.abs();
+        let (near, far) = (offset - padding, offset + padding);
+        let signs = constants.inverse.is_negative_bitmask() as usize;
         Self {
-            near_offset: offset(-1.0),
-            far_offset: offset(1.0),
-            near_plane: [0, 1, 2].map(|axis| 2 * axis + usize::from(inverse[axis] < 0.0)),
-            inverse: inverse.map(S::splat),
+            x: AxisConstants::new((0, signs & 1), constants.inverse.x, near.x, far.x),
+            y: AxisConstants::new((2, signs >> 1 & 1), constants.inverse.y, near.y, far.y),
+            z: AxisConstants::new((4, signs >> 2 & 1), constants.inverse.z, near.z, far.z),
         }
     }
 
     /// Which children's boxes the ray meets before `t_max`, and where it enters them.
     #[inline(always)]
-    pub(crate) fn meet(&self, node: &crate::node::Node, t_max: S::Vector) -> (u32, S::Vector) {
-        let plane = |axis: usize, side: usize, offset: S::Vector| {
-            let plane = self.near_plane[axis] ^ side;
-            // SAFETY: near_plane is 2·axis or 2·axis + 1, and its neighbour by the lowest bit is
-            // the other one, so all are below 6.
-            let planes = unsafe { node.planes.get_unchecked(plane) };
-            S::multiply_add(S::load(planes), self.inverse[axis], offset)
-        };
-        let near = |axis: usize| plane(axis, 0, self.near_offset[axis]);
-        let far = |axis: usize| plane(axis, 1, self.far_offset[axis]);
+    pub(crate) fn meet(&self, node: &Node, t_max: S::Vector) -> (u32, S::Vector) {
+        let (x, y, z) = (&self.x, &self.y, &self.z);
         // A distance that is not a number (coordinates near the end of the range) does not bound:
         // the second operands are never NaN.
-        let enter = S::greatest(S::greatest(near(0), near(1)), S::greatest(near(2), S::splat(0.0)));
-        let leave = S::least(S::least(far(0), far(1)), S::least(far(2), t_max));
+        let enter = S::greatest(
+            S::greatest(x.near(node), y.near(node)),
+            S::greatest(z.near(node), S::splat(0.0)),
+        );
+        let leave = S::least(S::least(x.far(node), y.far(node)), S::least(z.far(node), t_max));
         (S::less_equal(enter, leave), enter)
     }
+}
+
+impl<S: Simd> AxisConstants<S> {
+    #[inline(always)]
+    fn new(
+        (least_plane, side): (usize, usize),
+        inverse: f32,
+        near_offset: f32,
+        far_offset: f32,
+    ) -> Self {
+        let near_plane = (least_plane + side) * size_of::<Lanes>();
+        Self {
+            inverse: S::splat(inverse),
+            near_offset: S::splat(near_offset),
+            far_offset: S::splat(far_offset),
+            near_plane,
+            far_plane: near_plane ^ size_of::<Lanes>(),
+        }
+    }
+
+    #[inline(always)]
+    fn near(&self, node: &Node) -> S::Vector {
+        // SAFETY: `new` was given 0, 2 or 4, so this is one of the six planes.
+        let plane = unsafe { plane_at(node, self.near_plane) };
+        S::multiply_add(S::load(plane), self.inverse, self.near_offset)
+    }
+
+    #[inline(always)]
+    fn far(&self, node: &Node) -> S::Vector {
+        // SAFETY: `new` was given 0, 2 or 4, so this is one of the six planes.
+        let plane = unsafe { plane_at(node, self.far_plane) };
+        S::multiply_add(S::load(plane), self.inverse, self.far_offset)
+    }
+}
+
+/// The planes at a distance in bytes, which saves a shift per plane and node.
+///
+/// # Safety
+///
+/// `offset` must be a multiple of the size of `Lanes` below that of six.
+#[inline(always)]
+unsafe fn plane_at(node: &Node, offset: usize) -> &Lanes {
+    // SAFETY: as the caller promises, this stays in `node.planes`.
+    unsafe { &*node.planes.as_ptr().cast::<u8>().add(offset).cast::<Lanes>() }
 }
