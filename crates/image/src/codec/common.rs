@@ -81,8 +81,8 @@ pub(super) fn encode(
     let display = |mode| display_image(picture, options, mode);
     let result = match format {
         FileFormat::Png => {
-            // Rendered pictures are noisy: stronger compression costs ten times as much for a
-            // few per cent.
+            // On four renders, the default compression gave files smaller by 11 to 18 % in 2 to 20
+            // times the time, the best by 13 to 23 % in 28 to 220 times.
             let (compression, filter) = (CompressionType::Fast, FilterType::Adaptive);
             let encoder = PngEncoder::new_with_quality(target, compression, filter);
             display(AlphaMode::Straight)?.write_with_encoder(encoder)
