@@ -13,11 +13,36 @@ use etendue_spectrum::Spectrum;
 pub const MANUAL: Manual = Manual {
     summary: "Direct light: what is seen glows, or is lit by emitters without a detour.",
     parameters: &[
-        ParameterManual { name: "shading_samples", kind: "integer", default: "1", meaning: "Sets both counts below." },
-        ParameterManual { name: "emitter_samples", kind: "integer", default: "1", meaning: "Emitter samples for each camera sample." },
-        ParameterManual { name: "bsdf_samples", kind: "integer", default: "1", meaning: "Material samples for each camera sample." },
-        ParameterManual { name: "hide_emitters", kind: "boolean", default: "false", meaning: "The camera does not see emitters." },
-        ParameterManual { name: "strict_normals", kind: "boolean", default: "false", meaning: "Light must be on the same side of the geometric as of the shading normal." },
+        ParameterManual {
+            name: "shading_samples",
+            kind: "integer",
+            default: "1",
+            meaning: "Sets both counts below.",
+        },
+        ParameterManual {
+            name: "emitter_samples",
+            kind: "integer",
+            default: "1",
+            meaning: "Emitter samples for each camera sample.",
+        },
+        ParameterManual {
+            name: "bsdf_samples",
+            kind: "integer",
+            default: "1",
+            meaning: "Material samples for each camera sample.",
+        },
+        ParameterManual {
+            name: "hide_emitters",
+            kind: "boolean",
+            default: "false",
+            meaning: "The camera does not see emitters.",
+        },
+        ParameterManual {
+            name: "strict_normals",
+            kind: "boolean",
+            default: "false",
+            meaning: "Light must be on the same side of the geometric as of the shading normal.",
+        },
     ],
     sample: r#"<integrator type="direct"><integer name="emitter_samples" value="2"/></integrator>"#,
 };
@@ -39,7 +64,8 @@ impl Direct {
     #[must_use]
     pub fn build(parameters: &Parameters<'_>, emitter_sampling: bool) -> Self {
         let both = parameters.integer_in("shading_samples", 1, 1..=MAX_SAMPLES);
-        let emitter_samples = parameters.integer_in("emitter_samples", both, 0..=MAX_SAMPLES) as u32;
+        let emitter_samples =
+            parameters.integer_in("emitter_samples", both, 0..=MAX_SAMPLES) as u32;
         let bsdf_samples = parameters.integer_in("bsdf_samples", both, 0..=MAX_SAMPLES) as u32;
         Self {
             emitter_samples: if emitter_sampling { emitter_samples } else { 0 },

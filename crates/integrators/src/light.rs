@@ -40,7 +40,8 @@ impl Origin {
         surface: Option<&SurfaceInteraction>,
     ) -> f32 {
         let Some(pdf) = self.pdf else { return 1.0 };
-        let by_emitter = scene.emitter(emitter).pdf_direction(scene, self.point, direction, surface);
+        let by_emitter =
+            scene.emitter(emitter).pdf_direction(scene, self.point, direction, surface);
         power_heuristic(pdf, by_emitter * scene.emitter_probability(emitter))
     }
 }
@@ -113,7 +114,11 @@ impl NextEvent {
 
 /// What a camera ray hits first, emitters left out if they are to be hidden.
 #[inline]
-pub(crate) fn first_hit(scene: &Scene, ray: &Ray, hide_emitters: bool) -> Option<SurfaceInteraction> {
+pub(crate) fn first_hit(
+    scene: &Scene,
+    ray: &Ray,
+    hide_emitters: bool,
+) -> Option<SurfaceInteraction> {
     let mut surface = scene.intersect(ray)?;
     let mut travelled = surface.t;
     while hide_emitters && scene.emitter_of(&surface).is_some() {

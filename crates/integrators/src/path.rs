@@ -14,10 +14,30 @@ pub const MANUAL: Manual = Manual {
     summary: "Path tracing: at every vertex an emitter is sampled and the material is sampled, and both \
               are combined by multiple importance sampling.",
     parameters: &[
-        ParameterManual { name: "max_depth", kind: "integer", default: "-1", meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit." },
-        ParameterManual { name: "rr_depth", kind: "integer", default: "5", meaning: "From this depth on, paths end by Russian roulette." },
-        ParameterManual { name: "hide_emitters", kind: "boolean", default: "false", meaning: "The camera does not see emitters." },
-        ParameterManual { name: "strict_normals", kind: "boolean", default: "false", meaning: "Light must be on the same side of the geometric as of the shading normal." },
+        ParameterManual {
+            name: "max_depth",
+            kind: "integer",
+            default: "-1",
+            meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit.",
+        },
+        ParameterManual {
+            name: "rr_depth",
+            kind: "integer",
+            default: "5",
+            meaning: "From this depth on, paths end by Russian roulette.",
+        },
+        ParameterManual {
+            name: "hide_emitters",
+            kind: "boolean",
+            default: "false",
+            meaning: "The camera does not see emitters.",
+        },
+        ParameterManual {
+            name: "strict_normals",
+            kind: "boolean",
+            default: "false",
+            meaning: "Light must be on the same side of the geometric as of the shading normal.",
+        },
     ],
     sample: r#"<integrator type="path"><integer name="max_depth" value="8"/></integrator>"#,
 };
@@ -43,7 +63,11 @@ impl Path {
     pub fn build(parameters: &Parameters<'_>, emitter_sampling: bool) -> Self {
         let max_depth = parameters.integer("max_depth", -1);
         if max_depth < -1 {
-            parameters.error(Fault::BadValue, "max_depth", "expected −1 (no limit), or a length of 0 or more");
+            parameters.error(
+                Fault::BadValue,
+                "max_depth",
+                "expected −1 (no limit), or a length of 0 or more",
+            );
         }
         Self {
             max_depth: u32::try_from(max_depth).unwrap_or(u32::MAX),
@@ -100,7 +124,9 @@ impl Integrator for Path {
             };
             path.radiance +=
                 path.throughput * emitted(scene, &surface, path.ray.direction, &path.origin);
-            if path.depth + 1 >= self.max_depth || !self.continues(scene, &mut path, &surface, stream) {
+            if path.depth + 1 >= self.max_depth
+                || !self.continues(scene, &mut path, &surface, stream)
+            {
                 path.alpha = path.alpha.max(if path.depth == 0 { 1.0 } else { 0.0 });
                 break;
             }
@@ -138,7 +164,8 @@ impl Path {
         let competing = self.emitter_sampling && bsdf.has_smooth_lobe();
         if competing {
             let next_event = NextEvent { strict_normals: self.strict_normals, scatter_ratio: 1.0 };
-            path.radiance += path.throughput * next_event.estimate(scene, surface, &bsdf, light_random);
+            path.radiance +=
+                path.throughput * next_event.estimate(scene, surface, &bsdf, light_random);
         }
         self.scatter(path, surface, &bsdf, stream) && self.survives(path, stream)
     }
@@ -155,7 +182,8 @@ impl Path {
         let sample = bsdf.sample(surface.wi, lobe, direction, Transport::Radiance);
         let Some(BsdfSample { wo, weight, pdf, eta, lobe }) = sample else { return false };
         let direction = surface.to_world(wo);
-        if self.strict_normals && lobe != Lobe::Null && direction.dot(surface.normal) * wo.z <= 0.0 {
+        if self.strict_normals && lobe != Lobe::Null && direction.dot(surface.normal) * wo.z <= 0.0
+        {
             return false;
         }
         if lobe != Lobe::Null {

@@ -39,7 +39,11 @@ pub struct IntegratorPlugin {
     build: BuildIntegrator,
 }
 
-const fn plugin(name: &'static str, manual: &'static Manual, build: BuildIntegrator) -> IntegratorPlugin {
+const fn plugin(
+    name: &'static str,
+    manual: &'static Manual,
+    build: BuildIntegrator,
+) -> IntegratorPlugin {
     IntegratorPlugin { name, manual, build }
 }
 
@@ -75,7 +79,8 @@ impl Build<'_> {
                 self.parameters.document().parameters(child.node, self.parameters.diagnostics());
             let name = child.name.clone().unwrap_or_else(|| format!("image{}", nested.len()));
             let options = IntegratorOptions { name: None, ..self.options.clone() };
-            let build = Build { parameters: &parameters, options: &options, nesting: self.nesting + 1 };
+            let build =
+                Build { parameters: &parameters, options: &options, nesting: self.nesting + 1 };
             nested.push((name, build.by_name(parameters.plugin())?));
             parameters.finish();
         }

@@ -63,7 +63,7 @@ pub fn build_scene(
 
 /// A 4×4 transform parameter; `None` after reporting one that has no inverse.
 #[must_use]
-pub fn read_transform(parameters: &Parameters<'_>, name: &str) -> Option<Transform> {
+pub(crate) fn read_transform(parameters: &Parameters<'_>, name: &str) -> Option<Transform> {
     let transform = Transform::from_matrix(&parameters.transform(name));
     if transform.is_none() {
         parameters.error(Fault::BadValue, name, "the transform has no inverse, or is not finite");
@@ -73,12 +73,11 @@ pub fn read_transform(parameters: &Parameters<'_>, name: &str) -> Option<Transfo
 
 /// Rounds to single precision.
 #[must_use]
-pub fn to_vec3(v: DVec3) -> Vec3 {
+pub(crate) fn to_vec3(v: DVec3) -> Vec3 {
     v.as_vec3()
 }
 
 /// Builds plugins from document nodes. Nodes that several others refer to are built once.
-#[derive(Debug)]
 pub struct Builder<'a> {
     /// Documents, bytes, and where findings go.
     pub assets: &'a Assets<'a>,
@@ -224,13 +223,10 @@ impl<'a> Builder<'a> {
                 film?
             }
         };
-        if let Some(size) = self.options.film_size {
-            film.resize(size);
-        }
-        if let Some(crop) = self.options.crop {
-            if let Err(problem) = film.set_crop(crop) {
-                self.assets.diagnostics.error(Fault::BadValue, None, problem);
-            }
+        let resized = self.options.film_size.map_or(Ok(()), |size| film.resize(size));
+        let cropped = self.options.crop.map_or(Ok(()), |crop| film.set_crop(crop));
+        for problem in [resized, cropped].into_iter().filter_map(Result::err) {
+            self.assets.diagnostics.error(Fault::BadValue, None, problem);
         }
         if let Some(name) = &self.options.filter {
             match ReconstructionFilter::by_name(name) {

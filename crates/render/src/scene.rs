@@ -3,7 +3,7 @@
 use crate::bsdf::{Bsdf, Material, Materials};
 use crate::emitter::Emitter;
 use crate::film::FilmSpec;
-use crate::ids::{EmitterId, MaterialId, ShapeId};
+use crate::ids::{EmitterId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use crate::sensor::Sensor;
 use crate::shape::shapegroup::Group;
@@ -13,7 +13,7 @@ use etendue_bvh::{BuildOptions, Bvh, GeometryView, PrimitiveHit, Primitives, Tri
 use etendue_document::{Diagnostics, Fault, NodeId};
 use etendue_math::{Bounds3, Ray};
 use etendue_sampling::SamplerSpec;
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

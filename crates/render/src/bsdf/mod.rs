@@ -37,6 +37,10 @@ pub mod thindielectric;
 pub mod twosided;
 
 mod prepared;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 
 pub use prepared::{Bsdf, Gather, Material, Materials, Placement};
 

@@ -2,12 +2,13 @@
 
 use crate::registry::{self, find};
 use crate::shape::Geometry;
+use crate::shape::mesh::{Mesh, MeshOptions};
 use crate::texture::{Texture, bitmap};
 use etendue_document::{
     Class, Diagnostic, Diagnostics, Document, Fault, NodeId, Parameters, ResourceError, Resources,
-    Severity,
+    Severity, Span,
 };
-use etendue_mesh::MeshError;
+use etendue_mesh::{MeshError, TriangleMesh};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::{self, Debug};
@@ -34,21 +35,18 @@ impl Debug for Assets<'_> {
 }
 
 /// A texture decoded ahead of the rest of the scene.
-#[derive(Debug)]
 pub(super) struct Decoded<'a> {
     pub(super) parameters: Parameters<'a>,
     pub(super) texture: Option<Texture>,
 }
 
 /// The geometry of a shape, built ahead of its material.
-#[derive(Debug)]
 pub(super) struct LoadedShape<'a> {
     pub(super) parameters: Parameters<'a>,
     pub(super) geometry: Option<Geometry>,
 }
 
 /// Everything that could be built in parallel.
-#[derive(Debug)]
 pub(super) struct Loaded<'a> {
     pub(super) geometry: HashMap<NodeId, LoadedShape<'a>>,
     pub(super) textures: HashMap<NodeId, Decoded<'a>>,
@@ -118,7 +116,13 @@ impl<'a> Assets<'a> {
     #[must_use]
     pub fn read_file(&self, parameters: &Parameters<'_>, name: &str) -> Option<(PathBuf, Vec<u8>)> {
         let file_name = parameters.required_string(name)?;
-        let span = parameters.span_of(name);
+        self.read_named_file(file_name, parameters.span_of(name))
+    }
+
+    /// The bytes of the file that is called `file_name` at `span`; `None` after reporting what went
+    /// wrong.
+    #[must_use]
+    pub fn read_named_file(&self, file_name: &str, span: Span) -> Option<(PathBuf, Vec<u8>)> {
         let path = match self.document.resolve(file_name, span, self.resources) {
             Ok(path) => path,
             Err(not_found) => {
@@ -152,10 +156,24 @@ impl<'a> Assets<'a> {
         if self.skip_missing { Severity::Warning } else { Severity::Error }
     }
 
-    /// Reports a mesh file that cannot be read.
-    pub fn report_mesh_error(&self, parameters: &Parameters<'_>, path: &Path, error: &MeshError) {
-        let message = format!("{}: {error}", path.display());
-        parameters.error(Fault::Geometry, "filename", message);
+    /// Reads the file that `filename` names as a mesh, and places it; `None` after reporting what
+    /// went wrong. `options` are read first, so that their mistakes show as well.
+    #[must_use]
+    pub fn read_mesh(
+        &self,
+        parameters: &Parameters<'_>,
+        read: impl FnOnce(&Path, &[u8]) -> Result<TriangleMesh, MeshError>,
+    ) -> Option<Mesh> {
+        let options = MeshOptions::read(parameters);
+        let (path, bytes) = self.read_file(parameters, "filename")?;
+        let options = options?;
+        let placed = read(&path, &bytes).and_then(|mesh| Mesh::new(mesh, &options));
+        placed
+            .map_err(|error| {
+                let message = format!("{}: {error}", path.display());
+                parameters.error(Fault::Geometry, "filename", message);
+            })
+            .ok()
     }
 
     fn remember(&self, path: &Path, bytes: &[u8]) {

@@ -97,7 +97,9 @@ impl Builder<'_> {
                     }
                 }
             }
-            Value::Spectrum(SpectrumValue::File(_)) => self.spectrum_file(parameters, name, usage),
+            Value::Spectrum(SpectrumValue::File(file)) => {
+                self.spectrum_file(parameters, name, file, usage)
+            }
             other => {
                 let message = format!("expected a colour or a texture, found {}", other.kind());
                 parameters.error(Fault::BadValue, name, message);
@@ -110,9 +112,10 @@ impl Builder<'_> {
         &self,
         parameters: &Parameters<'_>,
         name: &str,
+        file: &str,
         usage: SpectrumUse,
     ) -> Option<Spectrum> {
-        let (path, bytes) = self.assets.read_spectrum_file(parameters, name)?;
+        let (path, bytes) = self.assets.read_named_file(file, parameters.span_of(name))?;
         match parse_spd(&String::from_utf8_lossy(&bytes)) {
             Ok(sampled) => Some(Spectrum::from_rgb(sampled.to_rgb(usage))),
             Err(error) => {

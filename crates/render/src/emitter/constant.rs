@@ -35,7 +35,7 @@ impl Constant {
 
     pub(super) fn sample_direction(&self, random: Vec2) -> DirectionSample {
         DirectionSample {
-            direction: warp::square_to_uniform_sphere(random),
+            direction: warp::uniform_sphere::sample(random),
             radiance: self.radiance,
             pdf: self.pdf_direction(),
             delta: false,

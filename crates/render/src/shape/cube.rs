@@ -22,7 +22,7 @@ pub const MANUAL: Manual = Manual {
 pub fn build(parameters: &Parameters<'_>) -> Option<Mesh> {
     let flip_normals = parameters.boolean("flip_normals", false);
     let to_world = crate::builder::read_transform(parameters, "to_world")?;
-    Some(Mesh::new(unit_cube(), &MeshOptions::placement(to_world, flip_normals)))
+    Mesh::new(unit_cube(), &MeshOptions::placement(to_world, flip_normals)).ok()
 }
 
 /// The directions of u, v and the outward normal of each face.
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn every_face_looks_outwards_and_the_area_is_that_of_six_squares() {
         let options = MeshOptions::placement(etendue_math::Transform::IDENTITY, false);
-        let mesh = Mesh::new(unit_cube(), &options);
+        let mesh = Mesh::new(unit_cube(), &options).expect("twelve triangles");
         assert!((mesh.area() - 24.0).abs() < 1e-5);
         for triangle in 0..12 {
             let surface = mesh.surface_point(triangle, Vec2::new(0.3, 0.3));

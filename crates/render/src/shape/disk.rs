@@ -94,7 +94,7 @@ impl Disk {
     /// A point uniform in area.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> ShapeSample {
-        let surface = self.surface_point(warp::square_to_uniform_disk_concentric(random));
+        let surface = self.surface_point(warp::concentric_disk::sample(random));
         ShapeSample {
             point: surface.point,
             error: surface.error,

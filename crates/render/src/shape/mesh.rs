@@ -3,8 +3,8 @@
 use super::{ShapeSample, SurfacePoint};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Transform, coordinate_system, rounding_error_bound};
-use etendue_mesh::{Attribute, TriangleMesh};
-use etendue_sampling::AliasTable;
+use etendue_mesh::{Attribute, MeshError, TriangleMesh};
+use etendue_sampling::{AliasSample, AliasTable, warp};
 use glam::{Vec2, Vec3};
 
 /// A mesh placed in the world, with what sampling points on it needs.
@@ -80,8 +80,10 @@ impl Mesh {
     /// Where the file has normals they decide what is front, and a mirrored mesh keeps its front
     /// outside. Where they are computed, the winding in the world decides, as in Mitsuba: a mirrored
     /// mesh then has its front inside.
-    #[must_use]
-    pub fn new(mut mesh: TriangleMesh, options: &MeshOptions) -> Self {
+    ///
+    /// # Errors
+    /// If separating the sides of sharp edges makes more vertices than can be counted.
+    pub fn new(mut mesh: TriangleMesh, options: &MeshOptions) -> Result<Self, MeshError> {
         if options.face_normals {
             mesh.normals = Vec::new();
         }
@@ -92,7 +94,7 @@ impl Mesh {
             mesh.normals.iter_mut().for_each(|normal| *normal = to_world.normal(*normal));
         }
         if let (Some(angle), false) = (options.max_smooth_angle, options.face_normals) {
-            mesh.split_sharp_edges(angle);
+            mesh.split_sharp_edges(angle)?;
         } else if options.compute_normals && mesh.normals.is_empty() {
             mesh.compute_vertex_normals();
         }
@@ -111,7 +113,7 @@ impl Mesh {
             sampling: None,
         };
         placed.area = placed.triangle_areas().map(f64::from).sum::<f64>() as f32;
-        placed
+        Ok(placed)
     }
 
     /// Makes the mesh ready to be a light.
@@ -253,9 +255,8 @@ impl Mesh {
         let (triangle, barycentric) = match self.sampling.as_ref()? {
             AreaSampling::Parallelogram => unfold_parallelogram(random),
             AreaSampling::Triangles(table) => {
-                let choice = table.sample(random.x);
-                let [_, b, c] = triangle_barycentric(Vec2::new(choice.remapped, random.y));
-                (choice.index, Vec2::new(b, c))
+                let (choice, y) = choose_triangle(table, random);
+                (choice.index as u32, warp::uniform_triangle::sample(Vec2::new(choice.rest, y)))
             }
         };
         let surface = self.surface_point(triangle, barycentric);
@@ -278,15 +279,11 @@ fn unfold_parallelogram(random: Vec2) -> (u32, Vec2) {
     if u >= v { (0, Vec2::new(u - v, v)) } else { (1, Vec2::new(u, v - u)) }
 }
 
-/// Barycentric coordinates of a point uniform in a triangle, by a continuous map of the square that
-/// keeps areas (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
-fn triangle_barycentric(random: Vec2) -> [f32; 3] {
-    let (b0, b1) = if random.x < random.y {
-        let b0 = 0.5 * random.x;
-        (b0, random.y - b0)
-    } else {
-        let b1 = 0.5 * random.y;
-        (random.x - b1, b1)
-    };
-    [1.0 - b0 - b1, b0, b1]
+/// Chooses a triangle, and gives what is left of the second number. The bits of one number do for a
+/// few thousand triangles; for more, the upper half of the other one's are needed too.
+fn choose_triangle(table: &AliasTable, random: Vec2) -> (AliasSample, f32) {
+    if table.len() <= 4096 {
+        return (table.sample(random.x), random.y);
+    }
+    (table.sample_2d(random), (random.y * 4096.0).fract())
 }

@@ -1,6 +1,6 @@
 //! `obj`: Wavefront OBJ files.
 
-use super::mesh::{Mesh, MeshOptions};
+use super::mesh::Mesh;
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
@@ -25,19 +25,12 @@ pub const MANUAL: Manual = Manual {
 #[must_use]
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
     let flip_texture_coordinates = parameters.boolean("flip_tex_coords", true);
-    let options = MeshOptions::read(parameters);
-    let (path, bytes) = assets.read_file(parameters, "filename")?;
-    match read_obj(&bytes, &ObjOptions { flip_texture_coordinates }) {
-        Ok(read) => {
-            for warning in read.warnings {
-                let message = format!("{}: {warning}", path.display());
-                parameters.warning(Fault::Unsupported, "filename", message);
-            }
-            Some(Mesh::new(read.mesh, &options?))
+    assets.read_mesh(parameters, |path, bytes| {
+        let read = read_obj(bytes, &ObjOptions { flip_texture_coordinates })?;
+        for warning in read.warnings {
+            let message = format!("{}: {warning}", path.display());
+            parameters.warning(Fault::Unsupported, "filename", message);
         }
-        Err(error) => {
-            assets.report_mesh_error(parameters, &path, &error);
-            None
-        }
-    }
+        Ok(read.mesh)
+    })
 }

@@ -1,6 +1,6 @@
 //! `ply`: Stanford PLY files.
 
-use super::mesh::{Mesh, MeshOptions};
+use super::mesh::Mesh;
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
@@ -25,18 +25,11 @@ pub const MANUAL: Manual = Manual {
 #[must_use]
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
     let flip_texture_coordinates = parameters.boolean("flip_tex_coords", false);
-    let options = MeshOptions::read(parameters);
-    let (path, bytes) = assets.read_file(parameters, "filename")?;
-    match read_ply(&bytes) {
-        Ok(mut mesh) => {
-            if flip_texture_coordinates {
-                mesh.uvs.iter_mut().for_each(|uv| uv.y = 1.0 - uv.y);
-            }
-            Some(Mesh::new(mesh, &options?))
+    assets.read_mesh(parameters, |_, bytes| {
+        let mut mesh = read_ply(bytes)?;
+        if flip_texture_coordinates {
+            mesh.uvs.iter_mut().for_each(|uv| uv.y = 1.0 - uv.y);
         }
-        Err(error) => {
-            assets.report_mesh_error(parameters, &path, &error);
-            None
-        }
-    }
+        Ok(mesh)
+    })
 }

@@ -22,10 +22,10 @@ pub const MANUAL: Manual = Manual {
 pub fn build(parameters: &Parameters<'_>) -> Option<Mesh> {
     let flip_normals = parameters.boolean("flip_normals", false);
     let to_world = crate::builder::read_transform(parameters, "to_world")?;
-    Some(placed(to_world, flip_normals))
+    placed(to_world, flip_normals)
 }
 
-fn placed(to_world: Transform, flip_normals: bool) -> Mesh {
+fn placed(to_world: Transform, flip_normals: bool) -> Option<Mesh> {
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let mesh = TriangleMesh {
         name: "rectangle".to_owned(),
@@ -35,7 +35,7 @@ fn placed(to_world: Transform, flip_normals: bool) -> Mesh {
         indices: vec![[0, 1, 2], [0, 2, 3]],
         ..TriangleMesh::default()
     };
-    Mesh::new(mesh, &MeshOptions::placement(to_world, flip_normals))
+    Mesh::new(mesh, &MeshOptions::placement(to_world, flip_normals)).ok()
 }
 
 #[cfg(test)]
@@ -51,7 +51,7 @@ mod tests {
             (DVec3::ONE, true, -Vec3::Z),
         ] {
             let to_world = Transform::from_matrix(&DMat4::from_scale(scale)).expect("invertible");
-            let mesh = placed(to_world, flip);
+            let mesh = placed(to_world, flip).expect("two triangles");
             let surface = mesh.surface_point(0, Vec2::new(0.2, 0.3));
             assert_eq!(surface.normal, expected, "{scale} {flip}");
         }
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn samples_cover_it_with_matching_coordinates() {
-        let mut mesh = placed(Transform::IDENTITY, false);
+        let mut mesh = placed(Transform::IDENTITY, false).expect("two triangles");
         mesh.prepare_sampling();
         for (x, y) in [(0.0, 0.0), (0.9, 0.1), (0.1, 0.9), (0.5, 0.5), (0.999, 0.999)] {
             let sample = mesh.sample_area(Vec2::new(x, y)).expect("it has an area");

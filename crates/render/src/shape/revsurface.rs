@@ -39,7 +39,7 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Mesh> {
     let segments = read_profile(parameters);
     let to_world = read_transform(parameters, "to_world")?;
     let mesh = tessellate(&segments?);
-    Some(Mesh::new(mesh, &MeshOptions::placement(to_world, flip_normals)))
+    Mesh::new(mesh, &MeshOptions::placement(to_world, flip_normals)).ok()
 }
 
 fn read_profile(parameters: &Parameters<'_>) -> Option<Vec<Segment>> {

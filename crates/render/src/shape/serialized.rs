@@ -1,6 +1,6 @@
 //! `serialized`: Mitsuba's own compressed mesh format.
 
-use super::mesh::{Mesh, MeshOptions};
+use super::mesh::Mesh;
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
@@ -23,14 +23,7 @@ pub const MANUAL: Manual = Manual {
 /// Reads the file and places the mesh.
 #[must_use]
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
+    // In range since it was read.
     let shape_index = parameters.integer_in("shape_index", 0, 0..=i64::from(u32::MAX)) as u32;
-    let options = MeshOptions::read(parameters);
-    let (path, bytes) = assets.read_file(parameters, "filename")?;
-    match read_serialized(&bytes, shape_index) {
-        Ok(mesh) => Some(Mesh::new(mesh, &options?)),
-        Err(error) => {
-            assets.report_mesh_error(parameters, &path, &error);
-            None
-        }
-    }
+    assets.read_mesh(parameters, |_, bytes| read_serialized(bytes, shape_index))
 }

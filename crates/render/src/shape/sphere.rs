@@ -147,7 +147,7 @@ impl Sphere {
     /// A point uniform in area.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> ShapeSample {
-        self.sample_at(warp::square_to_uniform_sphere(random).as_dvec3(), 1.0 / self.area())
+        self.sample_at(warp::uniform_sphere::sample(random).as_dvec3(), 1.0 / self.area())
     }
 
     /// sin² of the half angle under which the sphere is seen from `reference`, in single precision;

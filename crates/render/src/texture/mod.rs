@@ -3,10 +3,13 @@
 //! # Contract
 //! - A texture is read at most once per hit and slot, while a material is prepared.
 //! - Colours are linear Rec.709 [`Spectrum`]s; scalars of a colour texture are its luminance.
-//! - `u` and `v` of a bitmap are Mitsuba's: (0, 0) is the lower left corner of the picture.
+//! - `u` and `v` of a bitmap are Mitsuba's: (0, 0) is the left upper corner of the picture, and v
+//!   runs down. Shapes make up for it where their files count from below, as OBJ does.
 
 pub mod bitmap;
 pub mod checkerboard;
+mod texels;
+mod uv;
 
 use crate::ids::TextureId;
 use crate::interaction::SurfaceInteraction;
@@ -22,6 +25,17 @@ pub enum Texture {
     Bitmap(bitmap::BitmapTexture),
     /// Two colours in squares.
     Checkerboard(checkerboard::Checkerboard),
+}
+
+impl Texture {
+    /// Bytes of memory held beside the texture itself.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        match self {
+            Self::Constant(_) | Self::Checkerboard(_) => 0,
+            Self::Bitmap(texture) => texture.memory_bytes(),
+        }
+    }
 }
 
 /// All textures of a scene, addressed by [`TextureId`].

@@ -1,0 +1,183 @@
+//! `envmap`: a picture of the surroundings.
+
+use super::{DirectionSample, Target};
+use crate::builder::{Builder, read_transform};
+use crate::manual::{Manual, parameter};
+use etendue_document::{Fault, Parameters};
+use etendue_image::decode;
+use etendue_math::Transform;
+use etendue_sampling::Distribution2D;
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Surrounds the scene with a picture in latitude–longitude coordinates: +y is the top row, and \
+              the middle of the picture lies along +z. Bright parts are sampled in proportion.",
+    parameters: &[
+        parameter("filename", "string", "", "The picture: EXR, HDR, PFM, PNG, JPEG and others."),
+        parameter("scale", "float", "1", "A factor on the radiance."),
+        parameter("to_world", "transform", "", "Turns the surroundings."),
+    ],
+    sample: r#"<emitter type="envmap"><string name="filename" value="sample.exr"/><float name="scale" value="2"/></emitter>"#,
+};
+
+/// A picture of the surroundings.
+#[derive(Clone, Debug)]
+pub struct EnvironmentMap {
+    to_world: Transform,
+    width: usize,
+    height: usize,
+    /// Radiance by rows from the top, red green blue.
+    texels: Vec<[f32; 3]>,
+    /// Over cells whose corners are four neighbouring texels.
+    distribution: Distribution2D,
+}
+
+/// Reads the picture and prepares its sampling.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<EnvironmentMap> {
+    let scale = parameters.float_in("scale", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
+    let to_world = read_transform(parameters, "to_world")?;
+    let (path, bytes) = builder.assets.read_file(parameters, "filename")?;
+    let report = |message: String| {
+        parameters.error(Fault::BadValue, "filename", format!("{}: {message}", path.display()));
+    };
+    let bitmap = match decode(&bytes, &path.to_string_lossy()) {
+        Ok(bitmap) => bitmap,
+        Err(error) => {
+            report(error.to_string());
+            return None;
+        }
+    };
+    let image = bitmap.to_color_image();
+    let size = [image.width as usize, image.height as usize];
+    let texels = image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
+    let map = EnvironmentMap::new(to_world, size, texels);
+    if map.is_none() {
+        report("the picture must hold finite values of zero or more, and some light".to_owned());
+    }
+    map
+}
+
+impl EnvironmentMap {
+    fn new(to_world: Transform, [width, height]: [usize; 2], texels: Vec<[f32; 3]>) -> Option<Self> {
+        if texels.iter().flatten().any(|x| !x.is_finite() || *x < 0.0) {
+            return None;
+        }
+        let luminance: Vec<f32> =
+            texels.iter().map(|texel| Spectrum::from_rgb(*texel).luminance()).collect();
+        // Rows of cells: one less than rows of texels, as texel rows lie on the poles.
+        let rows = (height - 1).max(1);
+        let mut weights = Vec::with_capacity(width * rows);
+        for y in 0..rows {
+            let sin_theta = ((y as f32 + 0.5) / rows as f32 * PI).sin();
+            for x in 0..width {
+                let below = (y + 1).min(height - 1) * width;
+                let corners = [y * width + x, y * width + (x + 1) % width, below + x, below + (x + 1) % width];
+                weights.push(corners.iter().map(|corner| luminance[*corner]).sum::<f32>() * sin_theta);
+            }
+        }
+        let distribution = Distribution2D::new(&weights, (width as u32, rows as u32)).ok()?;
+        Some(Self { to_world, width, height, texels, distribution })
+    }
+
+    /// Radiance from the unit world direction `direction`.
+    pub(super) fn radiance(&self, direction: Vec3) -> Spectrum {
+        let cell = self.cell_coordinates(direction);
+        let x = cell.x * self.width as f32;
+        let y = cell.y * (self.height - 1) as f32;
+        let (left, top) = ((x as usize).min(self.width - 1), (y as usize).min(self.height - 1));
+        let right = if left + 1 == self.width { 0 } else { left + 1 };
+        let bottom = (top + 1).min(self.height - 1);
+        let texel = |x: usize, y: usize| Spectrum::from_rgb(self.texels[y * self.width + x]);
+        let across = x - left as f32;
+        let upper = texel(left, top).lerp(texel(right, top), across);
+        let lower = texel(left, bottom).lerp(texel(right, bottom), across);
+        upper.lerp(lower, y - top as f32)
+    }
+
+    /// Where a direction falls: x counts the picture's width from the middle of its first texel,
+    /// y is the polar angle over π.
+    fn cell_coordinates(&self, direction: Vec3) -> Vec2 {
+        let local = self.to_world.inverse_vector(direction).normalize_or(Vec3::Y);
+        let u = local.x.atan2(-local.z) / TAU - 0.5 / self.width as f32;
+        let v = local.y.clamp(-1.0, 1.0).acos() / PI;
+        // Rounding may take the fractional part to one.
+        Vec2::new((u - u.floor()).min(1.0 - f32::EPSILON), v)
+    }
+
+    pub(super) fn sample_direction(&self, random: Vec2) -> Option<DirectionSample> {
+        let (cell, density) = self.distribution.sample(random);
+        let (sin_azimuth, cos_azimuth) = ((cell.x + 0.5 / self.width as f32) * TAU).sin_cos();
+        let (sin_theta, cos_theta) = (cell.y * PI).sin_cos();
+        let local = Vec3::new(sin_azimuth * sin_theta, cos_theta, -cos_azimuth * sin_theta);
+        let direction = self.to_world.vector(local).try_normalize()?;
+        let pdf = density / (2.0 * PI * PI * sin_theta);
+        (pdf.is_finite() && pdf > 0.0).then(|| DirectionSample {
+            direction,
+            radiance: self.radiance(direction),
+            pdf,
+            delta: false,
+            target: Target::Afar,
+        })
+    }
+
+    pub(super) fn pdf_direction(&self, direction: Vec3) -> f32 {
+        let cell = self.cell_coordinates(direction);
+        let sin_theta = (cell.y * PI).sin();
+        if sin_theta <= 0.0 {
+            return 0.0;
+        }
+        self.distribution.pdf(cell) / (2.0 * PI * PI * sin_theta)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etendue_testkit::TestRng;
+
+    /// Red counts columns and green counts rows.
+    fn counting_map() -> EnvironmentMap {
+        let texels = (0..4).flat_map(|y| (0..8).map(move |x| [x as f32, y as f32, 1.0])).collect();
+        EnvironmentMap::new(Transform::IDENTITY, [8, 4], texels).expect("the map is bright")
+    }
+
+    /// Read from Mitsuba 3.9.1 for the same picture.
+    #[test]
+    fn directions_fall_where_mitsuba_puts_them() {
+        let expected = [
+            ([0.0, 0.0, 1.0], [3.5, 1.5]),
+            ([0.0, 0.0, -1.0], [3.5, 1.5]),
+            ([1.0, 0.0, 0.0], [1.5, 1.5]),
+            ([-1.0, 0.0, 0.0], [5.5, 1.5]),
+            ([0.3, 0.5, -0.7], [0.015_523_9, 0.945_23]),
+            ([-0.1, 0.05, -1.0], [4.388_31, 1.452_53]),
+            ([0.9, -0.3, 0.2], [1.778_42, 1.800_41]),
+        ];
+        for (direction, [red, green]) in expected {
+            let found = counting_map().radiance(Vec3::from(direction).normalize()).rgb();
+            assert!((found[0] - red).abs() < 1e-4 && (found[1] - green).abs() < 1e-4, "{direction:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_density_of_a_sample_is_that_of_its_direction() {
+        let mut random = TestRng::new(7);
+        let map = counting_map();
+        for _ in 0..1000 {
+            let sample = map.sample_direction(Vec2::new(random.next_f32(), random.next_f32())).expect("bright");
+            let pdf = map.pdf_direction(sample.direction);
+            assert!((pdf / sample.pdf - 1.0).abs() < 2e-3, "{sample:?}: {pdf}");
+        }
+    }
+
+    #[test]
+    fn dark_and_broken_pictures_are_refused() {
+        for value in [0.0, f32::NAN, -1.0, f32::INFINITY] {
+            assert!(EnvironmentMap::new(Transform::IDENTITY, [2, 2], vec![[value; 3]; 4]).is_none());
+        }
+    }
+}

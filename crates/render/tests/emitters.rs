@@ -1,0 +1,151 @@
+//! Every emitter, whole: what it samples, what it says of the density of a direction found by
+//! tracing a ray, and how much light that makes in all.
+
+use etendue_document::{Diagnostics, MemoryResources};
+use etendue_image::{EncodeOptions, FileFormat, Layer, Picture, encode};
+use etendue_math::Ray;
+use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_render::emitter::Emitter;
+use etendue_render::{BuildOptions, EmitterId, Scene, build_scene};
+use etendue_testkit::{Accumulator, ChiSquare, TestRng, welch};
+use glam::Vec3;
+
+/// A scene of the given elements.
+fn scene(elements: &str) -> Scene {
+    let diagnostics = Diagnostics::new();
+    let resources = MemoryResources::default().with("sky.exr", sky());
+    let text = format!("<scene version=\"3.0.0\">{elements}</scene>");
+    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = document.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
+        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
+}
+
+/// A picture with a bright spot on a varying ground.
+fn sky() -> Vec<u8> {
+    let (width, height) = (16, 8);
+    let value = |index: usize| {
+        let (x, y) = (index % width, index / width);
+        if (x, y) == (5, 2) { 40.0 } else { 0.2 + 0.1 * (x + y) as f32 }
+    };
+    let data: Vec<f32> = (0..width * height).map(value).collect();
+    let channels = ["R", "G", "B"].map(|name| Layer { name: name.to_owned(), data: data.clone() });
+    let picture =
+        Picture { channels: channels.to_vec(), ..Picture::new(width as u32, height as u32) };
+    encode(&picture, FileFormat::Exr, &EncodeOptions::default()).expect("the picture can be written")
+}
+
+const REFERENCE: Vec3 = Vec3::new(0.3, -0.2, 0.1);
+
+/// The density with which the scene's only emitter samples the direction, by tracing a ray.
+fn traced_pdf(scene: &Scene, direction: Vec3) -> f32 {
+    let emitter = scene.emitter(EmitterId(0));
+    let found = scene.intersect(&Ray::new(REFERENCE, direction));
+    match &found {
+        // The back of a glowing shape is sampled too, in vain.
+        Some(surface) if surface.wi.z <= 0.0 => 0.0,
+        _ => emitter.pdf_direction(scene, REFERENCE, direction, found.as_ref()),
+    }
+}
+
+const HITTABLE: [(&str, &str); 9] = [
+    ("sphere from outside", r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#),
+    ("sphere from inside", r#"<shape type="sphere"><float name="radius" value="2"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#),
+    ("small sphere far away", r#"<shape type="sphere"><point name="center" x="60" y="-40" z="9"/><float name="radius" value="20"/><emitter type="area"/></shape>"#),
+    ("rectangle", r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"/></shape>"#),
+    ("disk", r#"<shape type="disk"><transform name="to_world"><scale x="2" y="1" z="1"/><rotate x="1" angle="190"/><translate z="2"/></transform><emitter type="area"/></shape>"#),
+    ("cylinder from inside", r#"<shape type="cylinder"><point name="p0" x="0" y="-2" z="0"/><point name="p1" x="0" y="3" z="1"/><float name="radius" value="1.5"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#),
+    ("cube from inside", r#"<shape type="cube"><transform name="to_world"><scale x="1" y="2" z="1.5"/></transform><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#),
+    ("constant", r#"<emitter type="constant"/>"#),
+    ("envmap", r#"<emitter type="envmap"><string name="filename" value="sky.exr"/><transform name="to_world"><rotate x="1" y="2" z="0.5" angle="40"/></transform></emitter>"#),
+];
+
+#[test]
+fn directions_are_sampled_with_the_density_that_a_ray_finds() {
+    for (name, elements) in HITTABLE {
+        let scene = scene(elements);
+        let emitter = scene.emitter(EmitterId(0));
+        let sample = |random: &mut TestRng| {
+            let sample = emitter.sample_direction(&scene, REFERENCE, random.next_vec2())?;
+            Some(sample.direction)
+        };
+        let outcome = ChiSquare::one_of(HITTABLE.len() as u32)
+            .sphere(sample, |direction| traced_pdf(&scene, direction));
+        assert!(outcome.accepted(), "{name}: {outcome:?}");
+    }
+}
+
+#[test]
+fn the_density_of_a_sample_is_that_of_its_direction() {
+    let mut random = TestRng::new(3);
+    for (name, elements) in HITTABLE {
+        let scene = scene(elements);
+        let emitter = scene.emitter(EmitterId(0));
+        for _ in 0..2000 {
+            let Some(sample) = emitter.sample_direction(&scene, REFERENCE, random.next_vec2()) else {
+                continue;
+            };
+            let pdf = traced_pdf(&scene, sample.direction);
+            // A direction that just touches the edge may be traced past it.
+            if pdf > 0.0 {
+                assert!((pdf / sample.pdf - 1.0).abs() < 5e-3, "{name}: {pdf} {sample:?}");
+            }
+        }
+    }
+}
+
+/// ∫ L dω over all directions, by sampling the emitter and by tracing uniform directions.
+#[test]
+fn sampling_and_tracing_find_the_same_light() {
+    let mut random = TestRng::new(11);
+    for (name, elements) in HITTABLE {
+        let scene = scene(elements);
+        let emitter = scene.emitter(EmitterId(0));
+        let (mut sampled, mut traced) = (Accumulator::default(), Accumulator::default());
+        for _ in 0..40_000 {
+            let sample = emitter.sample_direction(&scene, REFERENCE, random.next_vec2());
+            sampled.add(sample.map_or(0.0, |s| f64::from(s.radiance.luminance() / s.pdf)));
+            let direction = random.unit_vector();
+            let radiance = match scene.intersect(&Ray::new(REFERENCE, direction)) {
+                Some(surface) => emitter.surface_radiance(&scene, &surface),
+                None => emitter.distant_radiance(direction),
+            };
+            traced.add(f64::from(radiance.luminance()) * 4.0 * std::f64::consts::PI);
+        }
+        // Estimates of an emitter that is the same everywhere do not vary but for rounding.
+        let close = (sampled.mean() / traced.mean() - 1.0).abs() < 1e-4;
+        let outcome = welch(&sampled, &traced);
+        assert!(close || outcome.accepts(1e-4), "{name}: {} and {}", sampled.mean(), traced.mean());
+    }
+}
+
+#[test]
+fn delta_emitters_give_what_their_formulas_say() {
+    let point = scene(r#"<emitter type="point"><point name="position" x="0.3" y="-0.2" z="2.1"/><rgb name="intensity" value="8"/></emitter>"#);
+    let sample = |scene: &Scene| {
+        let emitter: &Emitter = scene.emitter(EmitterId(0));
+        emitter.sample_direction(scene, REFERENCE, glam::Vec2::ZERO)
+    };
+    // 8 / 2².
+    let light = sample(&point).expect("the point shines everywhere");
+    assert!((light.radiance.luminance() - 2.0).abs() < 1e-5 && light.delta && light.pdf == 1.0);
+    assert!((light.direction - Vec3::Z).length() < 1e-6);
+
+    let directional = scene(r#"<emitter type="directional"><vector name="direction" x="0" y="-3" z="0"/></emitter>"#);
+    let light = sample(&directional).expect("it shines everywhere");
+    assert!((light.direction - Vec3::Y).length() < 1e-6);
+    assert!((light.radiance.luminance() - 1.0).abs() < 1e-6);
+
+    // From (0.3, −0.2, 2.1) straight down: the reference lies on the axis, 2 away.
+    let spot = |target: &str| {
+        scene(&format!(
+            r#"<emitter type="spot"><transform name="to_world"><lookat origin="0.3, -0.2, 2.1" target="{target}" up="0, 1, 0"/></transform><float name="cutoff_angle" value="30"/><float name="beam_width" value="10"/></emitter>"#
+        ))
+    };
+    let light = sample(&spot("0.3, -0.2, 0")).expect("on the axis");
+    assert!((light.radiance.luminance() - 0.25).abs() < 1e-5);
+    // 2·tan 20° off the axis: halfway down the falloff.
+    let light = sample(&spot("1.027940, -0.2, 0.1")).expect("within the cone");
+    assert!((light.radiance.luminance() - 0.125).abs() < 1e-4, "{light:?}");
+    assert!(sample(&spot("3, -0.2, 0.1")).is_none(), "beyond the cone");
+}
