@@ -1,0 +1,172 @@
+//! Sensors: from a place on the film to a ray into the scene.
+//!
+//! # Contract
+//! - A film position runs over the whole film, whatever its crop: (0, 0) is the left upper corner,
+//!   (1, 1) the right lower one.
+//! - Camera space is Mitsuba's: the view goes along +z, +y is up, and +x is to the *left*.
+//! - Rays are in world space and of unit direction. They start at the near plane and end at the far
+//!   one.
+//! - `to_world` may scale: distances and the aperture are then in the camera's units.
+
+mod field_of_view;
+pub mod orthographic;
+pub mod perspective;
+mod plane;
+pub mod thinlens;
+
+use crate::builder::read_transform;
+use crate::manual::{ParameterManual, parameter};
+use etendue_document::{Fault, Parameters};
+use etendue_math::{Ray, Transform};
+use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec2};
+
+/// A sensor of the scene.
+#[derive(Clone, Debug)]
+pub enum Sensor {
+    /// Parallel rays.
+    Orthographic(orthographic::Orthographic),
+    /// A pinhole.
+    Perspective(perspective::Perspective),
+    /// A lens that has one distance in focus.
+    ThinLens(thinlens::ThinLens),
+}
+
+/// A ray that a sensor asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorRay {
+    /// From the near to the far plane.
+    pub ray: Ray,
+    /// What the radiance along it counts.
+    pub weight: f32,
+}
+
+/// What all sensors have.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorCommon {
+    /// Camera to world.
+    pub to_world: Transform,
+    /// Where rays start, along the camera's z axis.
+    pub near_clip: f32,
+    /// Where rays end, along the camera's z axis.
+    pub far_clip: f32,
+    /// When the shutter opens.
+    pub shutter_open: f32,
+    /// When the shutter closes, not before it opens. Nothing moves yet.
+    pub shutter_close: f32,
+}
+
+/// A camera as file headers describe it; both matrices are for column vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraMatrices {
+    /// World to RenderMan's camera space, as OpenEXR's `worldToCamera`: left-handed, +x is to the
+    /// right, +y up, and the view goes along +z.
+    pub world_to_camera: Mat4,
+    /// World to the film, as OpenEXR's `worldToNDC`: after division by w, (0, 0) is the left upper
+    /// corner, (1, 1) the right lower one; z is 0 at the near and 1 at the far plane.
+    pub world_to_ndc: Mat4,
+}
+
+impl Sensor {
+    /// The ray from a film position through a point of the aperture; `aperture` is uniform in
+    /// [0, 1)².
+    #[inline]
+    #[must_use]
+    pub fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> SensorRay {
+        let ray = match self {
+            Self::Orthographic(sensor) => sensor.ray(film_position),
+            Self::Perspective(sensor) => sensor.ray(film_position),
+            Self::ThinLens(sensor) => sensor.ray(film_position, aperture),
+        };
+        SensorRay { ray, weight: 1.0 }
+    }
+
+    /// What all sensors have.
+    #[must_use]
+    pub fn common(&self) -> &SensorCommon {
+        match self {
+            Self::Orthographic(sensor) => &sensor.common,
+            Self::Perspective(sensor) => &sensor.common,
+            Self::ThinLens(sensor) => &sensor.common,
+        }
+    }
+
+    /// The camera as file headers describe it; that of a lens is its centre's.
+    #[must_use]
+    pub fn camera_matrices(&self) -> CameraMatrices {
+        let projection = match self {
+            Self::Orthographic(sensor) => sensor.projection(),
+            Self::Perspective(sensor) => sensor.projection(),
+            Self::ThinLens(sensor) => sensor.projection(),
+        };
+        let camera = Mat4::from(self.common().to_world.inverse_affine()).as_dmat4();
+        let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+        CameraMatrices {
+            world_to_camera: (mirror * camera).as_mat4(),
+            world_to_ndc: (projection * camera).as_mat4(),
+        }
+    }
+}
+
+const TO_WORLD: ParameterManual =
+    parameter("to_world", "transform", "", "Camera to world, usually a `lookat`.");
+const NEAR_CLIP: ParameterManual =
+    parameter("near_clip", "float", "0.01", "Nothing nearer is seen; along the view, from 0 on.");
+const FAR_CLIP: ParameterManual =
+    parameter("far_clip", "float", "10000", "Nothing beyond is seen; along the view.");
+const SHUTTER_OPEN: ParameterManual =
+    parameter("shutter_open", "float", "0", "When the shutter opens. Nothing moves yet.");
+const SHUTTER_CLOSE: ParameterManual =
+    parameter("shutter_close", "float", "0", "When the shutter closes.");
+const FILM: ParameterManual = parameter("film", "film", "hdrfilm", "The film, a nested plugin.");
+const SAMPLER: ParameterManual =
+    parameter("sampler", "sampler", "independent", "The sampler, a nested plugin.");
+
+/// Unequal scales that come from rounding are below this.
+const UNEQUAL_SCALE: f64 = 1e-3;
+
+impl SensorCommon {
+    /// Reads what all sensors have; `None` after an error has been reported.
+    fn read(parameters: &Parameters<'_>) -> Option<Self> {
+        let to_world = read_transform(parameters, "to_world");
+        let common = Self {
+            to_world: to_world.unwrap_or_default(),
+            near_clip: parameters.float_in("near_clip", 0.01, 0.0..) as f32,
+            far_clip: parameters.float_in("far_clip", 1e4, 0.0..) as f32,
+            shutter_open: parameters.float_in("shutter_open", 0.0, ..) as f32,
+            shutter_close: parameters.float_in("shutter_close", 0.0, ..) as f32,
+        };
+        if common.near_clip >= common.far_clip {
+            let message = format!(
+                "the near plane at {} is not before the far plane at {}",
+                common.near_clip, common.far_clip
+            );
+            parameters.error(Fault::BadValue, "near_clip", message);
+            return None;
+        }
+        if common.shutter_open > common.shutter_close {
+            let message = "the shutter closes before it opens";
+            parameters.error(Fault::BadValue, "shutter_close", message);
+            return None;
+        }
+        to_world.map(|_| common)
+    }
+
+    /// Warns where the camera's picture is stretched.
+    fn warn_of_unequal_scale(&self, parameters: &Parameters<'_>) {
+        let matrix = self.matrix();
+        let lengths = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::length);
+        let lengths = DVec3::from_array(lengths);
+        if lengths.max_element() > lengths.min_element() * (1.0 + UNEQUAL_SCALE) {
+            let message = "the camera's `to_world` scales unequally, which stretches the picture";
+            parameters.warning(Fault::BadValue, "to_world", message);
+        }
+    }
+
+    /// The linear part of camera to world.
+    fn matrix(&self) -> DMat3 {
+        Mat3::from(self.to_world.affine().matrix3).as_dmat3()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,101 @@
+//! `perspective`: a pinhole camera.
+
+use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
+use super::plane::{ImagePlane, View};
+use super::{
+    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, TO_WORLD,
+};
+use crate::builder::Builder;
+use crate::film::FilmSpec;
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+use etendue_math::Ray;
+use glam::{DMat4, DVec2, Vec2, Vec3};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A pinhole camera: everything is in focus. It looks along +z of its own space, with \
+              +y up.",
+    parameters: &[
+        TO_WORLD,
+        FOV,
+        FOV_AXIS,
+        FOCAL_LENGTH,
+        NEAR_CLIP,
+        FAR_CLIP,
+        parameter(
+            "principal_point_offset_x",
+            "float",
+            "0",
+            "Moves the picture to the left, as a share of the film's width.",
+        ),
+        parameter(
+            "principal_point_offset_y",
+            "float",
+            "0",
+            "Moves the picture up, as a share of the film's height.",
+        ),
+        SHUTTER_OPEN,
+        SHUTTER_CLOSE,
+        FILM,
+        SAMPLER,
+    ],
+    sample: r#"<sensor type="perspective">
+    <float name="fov" value="39.3"/>
+    <string name="fov_axis" value="smaller"/>
+    <transform name="to_world">
+        <lookat origin="0, 1, 6" target="0, 1, 0" up="0, 1, 0"/>
+    </transform>
+    <film type="hdrfilm"/>
+    <sampler type="sobol"/>
+</sensor>"#,
+};
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug)]
+pub struct Perspective {
+    pub(super) common: SensorCommon,
+    view: View,
+    origin: Vec3,
+    plane: ImagePlane,
+}
+
+/// Reads the sensor.
+#[must_use]
+pub fn build(
+    _builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    film: &FilmSpec,
+) -> Option<Perspective> {
+    let common = SensorCommon::read(parameters);
+    let half_size = read_half_size(parameters, film.aspect());
+    let shift = DVec2::new(
+        parameters.float_in("principal_point_offset_x", 0.0, ..),
+        parameters.float_in("principal_point_offset_y", 0.0, ..),
+    );
+    let (common, half_size) = (common?, half_size?);
+    common.warn_of_unequal_scale(parameters);
+    Some(Perspective::new(common, View { half_size, shift }))
+}
+
+impl Perspective {
+    fn new(common: SensorCommon, view: View) -> Self {
+        let origin = common.to_world.point(Vec3::ZERO);
+        Self { common, view, origin, plane: ImagePlane::new(&view, &common) }
+    }
+
+    #[inline]
+    pub(super) fn ray(&self, film_position: Vec2) -> Ray {
+        let direction = self.plane.direction(film_position);
+        let length = direction.length();
+        Ray::segment(
+            self.origin + direction * self.plane.near,
+            direction / length,
+            self.plane.length * length,
+        )
+    }
+
+    pub(super) fn projection(&self) -> DMat4 {
+        self.view.projection(&self.common)
+    }
+}

@@ -1,0 +1,69 @@
+//! The image in front of a pinhole, in world space.
+
+use super::SensorCommon;
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
+
+/// How a pinhole camera sees: what the film covers at distance one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct View {
+    /// Half the width and half the height of what the film covers at distance one.
+    pub(super) half_size: DVec2,
+    /// By how much of the film's size the view is moved: positive values show what lies further
+    /// right and further down.
+    pub(super) shift: DVec2,
+}
+
+impl View {
+    /// The camera-space direction of a film position, at z = 1.
+    fn direction(&self, film_position: DVec2) -> DVec3 {
+        (self.half_size * (1.0 - 2.0 * (film_position + self.shift))).extend(1.0)
+    }
+
+    /// Camera space to the film: after division by w, x and y are the film position, and z is 0 at
+    /// the near and 1 at the far plane.
+    pub(super) fn projection(&self, common: &SensorCommon) -> DMat4 {
+        let (near, far) = (f64::from(common.near_clip), f64::from(common.far_clip));
+        let scale = -0.5 / self.half_size;
+        let centre = 0.5 - self.shift;
+        DMat4::from_cols(
+            DVec4::new(scale.x, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, scale.y, 0.0, 0.0),
+            DVec4::new(centre.x, centre.y, far / (far - near), 1.0),
+            DVec4::new(0.0, 0.0, -near * far / (far - near), 0.0),
+        )
+    }
+}
+
+/// A [`View`] in world space. Vectors are divided by the scale of the camera's z axis, so that they
+/// stay in range whatever it is; `near` and `length` make up for it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ImagePlane {
+    corner: Vec3,
+    across: Vec3,
+    down: Vec3,
+    /// The near plane and the distance to the far plane, in world units along the view.
+    pub(super) near: f32,
+    pub(super) length: f32,
+}
+
+impl ImagePlane {
+    pub(super) fn new(view: &View, common: &SensorCommon) -> Self {
+        let matrix = common.matrix();
+        let scale = matrix.z_axis.length();
+        let world = |camera: DVec3| (matrix * camera / scale).as_vec3();
+        let corner = view.direction(DVec2::ZERO);
+        Self {
+            corner: world(corner),
+            across: world(view.direction(DVec2::X) - corner),
+            down: world(view.direction(DVec2::Y) - corner),
+            near: (f64::from(common.near_clip) * scale) as f32,
+            length: ((f64::from(common.far_clip) - f64::from(common.near_clip)) * scale) as f32,
+        }
+    }
+
+    /// The world direction of a film position, of length one along the view.
+    #[inline]
+    pub(super) fn direction(&self, film_position: Vec2) -> Vec3 {
+        self.corner + self.across * film_position.x + self.down * film_position.y
+    }
+}

@@ -1,0 +1,126 @@
+//! `thinlens`: a camera with one distance in focus.
+
+use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
+use super::plane::{ImagePlane, View};
+use super::{
+    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, TO_WORLD,
+};
+use crate::builder::Builder;
+use crate::film::FilmSpec;
+use crate::manual::{Manual, parameter};
+use etendue_document::{Fault, Parameters};
+use etendue_math::Ray;
+use etendue_sampling::warp;
+use glam::{DMat4, DVec2, DVec3, Vec2, Vec3};
+use std::ops::Bound;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A camera with a thin lens behind a round aperture: what is not at the focus distance \
+              is blurred.",
+    parameters: &[
+        TO_WORLD,
+        parameter(
+            "aperture_radius",
+            "float",
+            "",
+            "The radius of the aperture, in scene units; required. Zero is a pinhole.",
+        ),
+        parameter(
+            "focus_distance",
+            "float",
+            "",
+            "The distance along the view that is in focus; `far_clip` by default.",
+        ),
+        FOV,
+        FOV_AXIS,
+        FOCAL_LENGTH,
+        NEAR_CLIP,
+        FAR_CLIP,
+        SHUTTER_OPEN,
+        SHUTTER_CLOSE,
+        FILM,
+        SAMPLER,
+    ],
+    sample: r#"<sensor type="thinlens">
+    <float name="aperture_radius" value="0.1"/>
+    <float name="focus_distance" value="6"/>
+    <transform name="to_world">
+        <lookat origin="0, 1, 6" target="0, 1, 0" up="0, 1, 0"/>
+    </transform>
+</sensor>"#,
+};
+
+/// A camera with a thin lens.
+#[derive(Clone, Copy, Debug)]
+pub struct ThinLens {
+    pub(super) common: SensorCommon,
+    view: View,
+    centre: Vec3,
+    /// The aperture's two half axes in world space.
+    aperture: [Vec3; 2],
+    /// The distance in focus, in world units along the view.
+    focus_distance: f32,
+    plane: ImagePlane,
+}
+
+/// Reads the sensor.
+#[must_use]
+pub fn build(
+    _builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    film: &FilmSpec,
+) -> Option<ThinLens> {
+    let common = SensorCommon::read(parameters);
+    let half_size = read_half_size(parameters, film.aspect());
+    let radius = parameters.float_in("aperture_radius", 0.0, 0.0..);
+    if !parameters.has("aperture_radius") {
+        let message = "`thinlens` needs the parameter `aperture_radius`";
+        parameters.error(Fault::MissingParameter, "aperture_radius", message);
+    }
+    let far = common.map_or(1.0, |common| f64::from(common.far_clip));
+    let range = (Bound::Excluded(0.0), Bound::Unbounded);
+    let focus_distance = parameters.float_in("focus_distance", far, range);
+    let (common, half_size) = (common?, half_size?);
+    common.warn_of_unequal_scale(parameters);
+    let view = View { half_size, shift: DVec2::ZERO };
+    Some(ThinLens::new(common, view, Lens { radius, focus_distance }))
+}
+
+/// A lens in camera space.
+struct Lens {
+    radius: f64,
+    focus_distance: f64,
+}
+
+impl ThinLens {
+    fn new(common: SensorCommon, view: View, lens: Lens) -> Self {
+        let matrix = common.matrix();
+        Self {
+            common,
+            view,
+            centre: common.to_world.point(Vec3::ZERO),
+            aperture: [DVec3::X, DVec3::Y].map(|axis| (matrix * axis * lens.radius).as_vec3()),
+            focus_distance: (lens.focus_distance * matrix.z_axis.length()) as f32,
+            plane: ImagePlane::new(&view, &common),
+        }
+    }
+
+    #[inline]
+    pub(super) fn ray(&self, film_position: Vec2, aperture: Vec2) -> Ray {
+        let point = warp::concentric_disk::sample(aperture);
+        let from_centre = self.aperture[0] * point.x + self.aperture[1] * point.y;
+        // Every ray of a film position meets the pinhole's ray at the focus distance.
+        let direction = self.plane.direction(film_position) - from_centre / self.focus_distance;
+        let length = direction.length();
+        Ray::segment(
+            self.centre + from_centre + direction * self.plane.near,
+            direction / length,
+            self.plane.length * length,
+        )
+    }
+
+    pub(super) fn projection(&self) -> DMat4 {
+        self.view.projection(&self.common)
+    }
+}

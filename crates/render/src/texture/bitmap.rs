@@ -1,0 +1,351 @@
+//! `bitmap`: a picture from a file.
+
+pub use super::texels::Channel;
+use super::texels::Texels;
+use super::uv::read_to_uv;
+use crate::builder::{Assets, Builder};
+use crate::manual::{Manual, parameter};
+use etendue_document::{Fault, Parameters};
+use etendue_image::{Bitmap, ImageError};
+use etendue_spectrum::Spectrum;
+use glam::{Affine2, Vec2};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A picture from a file: PNG, JPEG, BMP, TGA, TIFF, Radiance HDR, OpenEXR or PFM. \
+              Files with 8 or 16 bits are taken to be sRGB encoded unless `raw`; alpha is left \
+              out; grey pictures give grey colours.",
+    parameters: &[
+        parameter("filename", "string", "", "The file; required."),
+        parameter(
+            "filter_type",
+            "string",
+            "bilinear",
+            "`bilinear`, between the centres of texels, or `nearest`, which shows texels as squares.",
+        ),
+        parameter(
+            "wrap_mode",
+            "string",
+            "repeat",
+            "What lies outside the unit square: `repeat`, `mirror` (every other copy reversed) or \
+             `clamp` (the texels of the edge).",
+        ),
+        parameter(
+            "raw",
+            "boolean",
+            "false",
+            "Take the numbers as they are, without sRGB decoding: for normals, roughness and the \
+             like.",
+        ),
+        parameter("to_uv", "transform", "", "Applied to texture coordinates; a scale repeats."),
+        parameter(
+            "channel",
+            "string",
+            "all",
+            "Use one channel as a scalar: `r`, `g`, `b` or `a`. From Mitsuba 0.6.",
+        ),
+        parameter(
+            "format",
+            "string",
+            "auto",
+            "Accepted and without effect (`auto`, `variant` or `fp16`): the file's precision is kept.",
+        ),
+        parameter("accel", "boolean", "true", "Accepted and without effect."),
+    ],
+    sample: r#"<texture type="bitmap">
+    <string name="filename" value="wood.png"/>
+    <string name="wrap_mode" value="mirror"/>
+</texture>"#,
+};
+
+/// How values between the centres of texels come about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FilterMode {
+    /// Linear in both directions.
+    #[default]
+    Bilinear,
+    /// The value of the nearest.
+    Nearest,
+}
+
+/// What lies outside the unit square.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WrapMode {
+    /// The same again.
+    #[default]
+    Repeat,
+    /// The same reversed, and again.
+    Mirror,
+    /// The outermost texels.
+    Clamp,
+}
+
+/// How a picture is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BitmapOptions {
+    /// Between the centres of texels.
+    pub filter: FilterMode,
+    /// Outside the unit square.
+    pub wrap: WrapMode,
+    /// Whether numbers are taken as they are, without sRGB decoding.
+    pub raw: bool,
+    /// One channel, instead of all colours.
+    pub channel: Option<Channel>,
+    /// Applied to texture coordinates.
+    pub to_uv: Affine2,
+}
+
+/// A picture over the unit square: (0, 0) is the left upper corner of the first texel, v runs down.
+#[derive(Clone, Debug)]
+pub struct BitmapTexture {
+    texels: Texels,
+    filter: FilterMode,
+    wrap: WrapMode,
+    to_uv: Affine2,
+    mean: Spectrum,
+}
+
+/// Reads the texture.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<BitmapTexture> {
+    load(builder.assets, parameters)
+}
+
+/// Reads the texture, with nothing but files to depend on: several can be read at once.
+#[must_use]
+pub fn load(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<BitmapTexture> {
+    let options = BitmapOptions::read(parameters);
+    let (path, bytes) = assets.read_file(parameters, "filename")?;
+    let bitmap = match etendue_image::decode(&bytes, &path.to_string_lossy()) {
+        Ok(bitmap) => bitmap,
+        Err(error) => {
+            let message = format!("{}: {error}", path.display());
+            parameters.error(fault(&error), "filename", message);
+            return None;
+        }
+    };
+    let texture = BitmapTexture::new(bitmap, &options?);
+    if texture.is_none() {
+        let message = format!("{} has no such channel", path.display());
+        parameters.error(Fault::BadValue, "channel", message);
+    }
+    texture
+}
+
+/// Whose fault it is that a picture cannot be read.
+fn fault(error: &ImageError) -> Fault {
+    match error {
+        ImageError::UnknownFormat { .. } | ImageError::Unsupported { .. } => Fault::Unsupported,
+        ImageError::TooLarge { .. } => Fault::Limit,
+        _ => Fault::Syntax,
+    }
+}
+
+impl BitmapOptions {
+    /// Reads everything but the file; `None` after an error has been reported.
+    fn read(parameters: &Parameters<'_>) -> Option<Self> {
+        const FILTERS: [(&str, FilterMode); 2] =
+            [("bilinear", FilterMode::Bilinear), ("nearest", FilterMode::Nearest)];
+        const WRAPS: [(&str, WrapMode); 3] = [
+            ("repeat", WrapMode::Repeat),
+            ("mirror", WrapMode::Mirror),
+            ("clamp", WrapMode::Clamp),
+        ];
+        const CHANNELS: [(&str, Option<Channel>); 5] = [
+            ("all", None),
+            ("r", Some(Channel::Red)),
+            ("g", Some(Channel::Green)),
+            ("b", Some(Channel::Blue)),
+            ("a", Some(Channel::Alpha)),
+        ];
+        parameters.choice("format", (), &[("auto", ()), ("variant", ()), ("fp16", ())]);
+        parameters.optional_boolean("accel");
+        Some(Self {
+            filter: parameters.choice("filter_type", FilterMode::Bilinear, &FILTERS),
+            wrap: parameters.choice("wrap_mode", WrapMode::Repeat, &WRAPS),
+            raw: parameters.boolean("raw", false),
+            channel: parameters.choice("channel", None, &CHANNELS),
+            to_uv: read_to_uv(parameters)?,
+        })
+    }
+}
+
+/// The two texels on either side of a place along one axis.
+#[derive(Clone, Copy)]
+struct Neighbours {
+    low: usize,
+    high: usize,
+    /// The share of the higher one.
+    fraction: f32,
+    /// −1 where the picture is reversed, or else 1.
+    sign: f32,
+}
+
+/// Four neighbouring texels and the shares among them.
+struct Footprint {
+    /// Left upper, right upper, left lower, right lower.
+    indices: [usize; 4],
+    fraction: Vec2,
+    /// Texels per unit of u and v, negative where the picture is reversed.
+    scale: Vec2,
+}
+
+impl BitmapTexture {
+    /// Takes over a picture; `None` where it lacks the channel that is asked for, or has no texels.
+    #[must_use]
+    pub fn new(bitmap: Bitmap, options: &BitmapOptions) -> Option<Self> {
+        let texels = Texels::new(bitmap, options.channel, options.raw)?;
+        let BitmapOptions { filter, wrap, to_uv, .. } = *options;
+        Some(Self { mean: texels.mean(), texels, filter, wrap, to_uv })
+    }
+
+    /// The colour at `uv`; grey where the picture is.
+    #[inline]
+    #[must_use]
+    pub fn eval(&self, uv: Vec2) -> Spectrum {
+        match self.filter {
+            FilterMode::Nearest => self.texels.colors([self.nearest(uv)])[0],
+            FilterMode::Bilinear => {
+                let footprint = self.footprint(uv);
+                let [a, b, c, d] = self.texels.colors(footprint.indices);
+                let Vec2 { x, y } = footprint.fraction;
+                a.lerp(b, x).lerp(c.lerp(d, x), y)
+            }
+        }
+    }
+
+    /// The scalar at `uv`: the only channel, or the luminance.
+    #[inline]
+    #[must_use]
+    pub fn eval_scalar(&self, uv: Vec2) -> f32 {
+        match self.filter {
+            FilterMode::Nearest => self.texels.scalars([self.nearest(uv)])[0],
+            FilterMode::Bilinear => {
+                let footprint = self.footprint(uv);
+                let [a, b, c, d] = self.texels.scalars(footprint.indices);
+                let Vec2 { x, y } = footprint.fraction;
+                let lerp = |from: f32, to: f32, share: f32| from + share * (to - from);
+                lerp(lerp(a, b, x), lerp(c, d, x), y)
+            }
+        }
+    }
+
+    /// The derivatives of the scalar by u and v; zero for [`FilterMode::Nearest`].
+    ///
+    /// Mitsuba's `eval_1_grad`, except where `to_uv` rotates a picture that is not square: there,
+    /// Mitsuba 3.9.1 confuses the two resolutions.
+    #[inline]
+    #[must_use]
+    pub fn gradient(&self, uv: Vec2) -> Vec2 {
+        if self.filter == FilterMode::Nearest {
+            return Vec2::ZERO;
+        }
+        let footprint = self.footprint(uv);
+        let [a, b, c, d] = self.texels.scalars(footprint.indices);
+        let Vec2 { x, y } = footprint.fraction;
+        let by_texel = Vec2::new(
+            (b - a) + y * ((d - c) - (b - a)),
+            (c - a) + x * ((d - b) - (c - a)),
+        );
+        self.to_uv.matrix2.transpose() * (by_texel * footprint.scale)
+    }
+
+    /// The mean colour of all texels.
+    #[must_use]
+    pub fn mean(&self) -> Spectrum {
+        self.mean
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub fn resolution(&self) -> [u32; 2] {
+        [self.texels.width, self.texels.height]
+    }
+
+    /// The luminance of a texel, or its only channel: for distributions over a picture. Column and
+    /// row are counted from the left upper corner and must be below the [`resolution`].
+    ///
+    /// # Panics
+    /// If they are not, and the texel would lie outside the picture.
+    ///
+    /// [`resolution`]: Self::resolution
+    #[inline]
+    #[must_use]
+    pub fn texel_luminance(&self, column: u32, row: u32) -> f32 {
+        self.texels.scalars([row as usize * self.texels.width as usize + column as usize])[0]
+    }
+
+    /// How many bytes of memory the texels take.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        self.texels.memory_bytes()
+    }
+
+    /// The index of the texel at `uv`.
+    #[inline]
+    fn nearest(&self, uv: Vec2) -> usize {
+        let uv = self.to_uv.transform_point2(uv);
+        let column = self.wrap.texel(uv.x, self.texels.width);
+        let row = self.wrap.texel(uv.y, self.texels.height);
+        row * self.texels.width as usize + column
+    }
+
+    /// The texels around `uv`.
+    #[inline]
+    fn footprint(&self, uv: Vec2) -> Footprint {
+        let uv = self.to_uv.transform_point2(uv);
+        let Texels { width, height, .. } = self.texels;
+        let x = self.wrap.neighbours(uv.x, width);
+        let y = self.wrap.neighbours(uv.y, height);
+        let (upper, lower) = (y.low * width as usize, y.high * width as usize);
+        Footprint {
+            indices: [upper + x.low, upper + x.high, lower + x.low, lower + x.high],
+            fraction: Vec2::new(x.fraction, y.fraction),
+            scale: Vec2::new(width as f32 * x.sign, height as f32 * y.sign),
+        }
+    }
+}
+
+impl WrapMode {
+    /// A coordinate brought into [0, 1], and the sign of its derivative. What is not finite stays
+    /// so, or becomes NaN.
+    #[inline]
+    fn reduce(self, coordinate: f32) -> (f32, f32) {
+        match self {
+            Self::Repeat => (coordinate - coordinate.floor(), 1.0),
+            Self::Clamp => (coordinate.clamp(0.0, 1.0), 1.0),
+            Self::Mirror => {
+                let place = coordinate - 2.0 * (0.5 * coordinate).floor();
+                if place > 1.0 { (2.0 - place, -1.0) } else { (place, 1.0) }
+            }
+        }
+    }
+
+    /// The texel at a coordinate, out of `size`.
+    #[inline]
+    fn texel(self, coordinate: f32, size: u32) -> usize {
+        let (place, _) = self.reduce(coordinate);
+        // A cast of NaN gives zero.
+        ((place * size as f32) as u32).min(size - 1) as usize
+    }
+
+    /// The texels whose centres lie on either side of a coordinate, out of `size`.
+    #[inline]
+    fn neighbours(self, coordinate: f32, size: u32) -> Neighbours {
+        let (place, sign) = self.reduce(coordinate);
+        // From half a texel before the first centre on; one is added so that casts round down.
+        let position = place * size as f32 + 0.5;
+        let above = (position as u32).min(size);
+        let fraction = position - above as f32;
+        let (before_first, after_last) = match self {
+            Self::Repeat => (size - 1, 0),
+            Self::Clamp | Self::Mirror => (0, size - 1),
+        };
+        let low = if above == 0 { before_first } else { above - 1 };
+        let high = if above == size { after_last } else { above };
+        Neighbours { low: low as usize, high: high as usize, fraction, sign }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,100 @@
+//! `checkerboard`: two colours in squares.
+
+use super::uv::read_to_uv;
+use super::{ColorSource, Textures};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::{Affine2, Vec2};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A checkerboard: the unit square of texture coordinates holds two squares by two.",
+    parameters: &[
+        parameter(
+            "color0",
+            "spectrum or texture",
+            "0.4",
+            "The colour where one of u and v is in the upper half of its interval.",
+        ),
+        parameter("color1", "spectrum or texture", "0.2", "The other colour, which holds (0, 0)."),
+        parameter("to_uv", "transform", "", "Applied to texture coordinates; a scale repeats."),
+    ],
+    sample: r#"<texture type="checkerboard">
+    <rgb name="color0" value="0.8, 0.8, 0.8"/>
+    <rgb name="color1" value="0.1, 0.1, 0.1"/>
+    <transform name="to_uv"><scale x="8" y="8"/></transform>
+</texture>"#,
+};
+
+/// Two colours in squares.
+#[derive(Clone, Copy, Debug)]
+pub struct Checkerboard {
+    colors: [ColorSource; 2],
+    to_uv: Affine2,
+}
+
+/// Reads the texture.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Checkerboard> {
+    let colors = [
+        builder.color(parameters, "color0", 0.4, SpectrumUse::Reflectance),
+        builder.color(parameters, "color1", 0.2, SpectrumUse::Reflectance),
+    ];
+    Some(Checkerboard { colors, to_uv: read_to_uv(parameters)? })
+}
+
+impl Checkerboard {
+    /// The colour at a surface point.
+    #[must_use]
+    pub fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        let uv = self.to_uv.transform_point2(surface.uv);
+        self.colors[square(uv)].eval(textures, surface)
+    }
+
+    /// The mean colour over the unit square of `uv`, as if `to_uv` showed whole squares.
+    #[must_use]
+    pub fn mean(&self, textures: Textures<'_>) -> Spectrum {
+        (self.colors[0].mean(textures) + self.colors[1].mean(textures)) * 0.5
+    }
+}
+
+/// Which of the colours a point has.
+fn square(uv: Vec2) -> usize {
+    let place = uv - uv.floor();
+    usize::from((place.x > 0.5) == (place.y > 0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Read from Mitsuba 3.9.1.
+    #[test]
+    fn squares_are_where_mitsuba_has_them() {
+        let cases = [
+            ((0.25, 0.25), 1),
+            ((0.75, 0.25), 0),
+            ((0.25, 0.75), 0),
+            ((0.75, 0.75), 1),
+            ((-0.25, 0.25), 0),
+            ((-0.25, -0.25), 1),
+            ((0.0, 0.0), 1),
+            ((0.5, 0.5), 1),
+            ((0.5, 0.25), 1),
+            ((1.25, 0.25), 1),
+        ];
+        for ((u, v), expected) in cases {
+            assert_eq!(square(Vec2::new(u, v)), expected, "({u}, {v})");
+        }
+    }
+
+    #[test]
+    fn coordinates_that_are_no_numbers_do_no_harm() {
+        for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX] {
+            assert!(square(Vec2::new(bad, 0.2)) < 2);
+        }
+    }
+}

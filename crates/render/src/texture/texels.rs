@@ -1,0 +1,167 @@
+//! The texels of a picture, in the precision of its file.
+
+use etendue_image::srgb::{linear_of_srgb_u8, srgb_to_linear};
+use etendue_image::{Bitmap, Samples};
+use etendue_spectrum::Spectrum;
+
+/// A picture of one channel or of three, which keeps the memory that the file's precision needs.
+#[derive(Clone, Debug)]
+pub(super) struct Texels {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// Row by row from the top, channels side by side.
+    samples: Samples,
+    is_grey: bool,
+    /// What the codes of 8-bit samples mean.
+    narrow_codes: &'static [f32; 256],
+    /// What the codes of 16-bit samples mean; empty for others.
+    wide_codes: Vec<f32>,
+}
+
+/// The channel that a picture of one channel is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Red, or grey.
+    Red,
+    /// Green, or grey.
+    Green,
+    /// Blue, or grey.
+    Blue,
+    /// Alpha.
+    Alpha,
+}
+
+/// The codes of 8-bit samples that are taken as they are.
+static FRACTIONS: [f32; 256] = {
+    let mut codes = [0.0; 256];
+    let mut code = 0;
+    while code < 256 {
+        codes[code] = code as f32 / 255.0;
+        code += 1;
+    }
+    codes
+};
+
+impl Texels {
+    /// Takes over the colours of a picture, without alpha, or one channel of it. Samples are taken
+    /// as they are where `raw`. `None` where there is no such channel, or no texel.
+    pub(super) fn new(bitmap: Bitmap, channel: Option<Channel>, raw: bool) -> Option<Self> {
+        let stride = bitmap.channels as usize;
+        let is_color = stride >= 3;
+        let kept = match channel {
+            None if is_color => 0..3,
+            Some(Channel::Green) if is_color => 1..2,
+            Some(Channel::Blue) if is_color => 2..3,
+            Some(Channel::Alpha) if !bitmap.has_alpha() => return None,
+            Some(Channel::Alpha) => stride - 1..stride,
+            _ => 0..1,
+        };
+        let expected = u64::from(bitmap.width) * u64::from(bitmap.height) * stride as u64;
+        if expected == 0 || bitmap.samples.len() as u64 != expected {
+            return None;
+        }
+        let encoded = bitmap.srgb && !raw && channel != Some(Channel::Alpha);
+        let wide_codes = match bitmap.samples {
+            Samples::U16(_) => wide_codes(encoded),
+            _ => Vec::new(),
+        };
+        Some(Self {
+            width: bitmap.width,
+            height: bitmap.height,
+            is_grey: kept.len() == 1,
+            samples: keep_channels(bitmap.samples, stride, kept),
+            narrow_codes: if encoded { linear_of_srgb_u8() } else { &FRACTIONS },
+            wide_codes,
+        })
+    }
+
+    /// How many bytes of memory the texels take.
+    pub(super) fn memory_bytes(&self) -> usize {
+        let sample = match self.samples {
+            Samples::U8(_) => 1,
+            Samples::U16(_) | Samples::F16(_) => 2,
+            Samples::F32(_) => 4,
+        };
+        self.samples.len() * sample + size_of_val(self.wide_codes.as_slice())
+    }
+
+    /// The colours of some texels, by index: row times width plus column.
+    #[inline]
+    pub(super) fn colors<const N: usize>(&self, indices: [usize; N]) -> [Spectrum; N] {
+        if self.is_grey {
+            return self.scalars(indices).map(Spectrum::splat);
+        }
+        let narrow = self.narrow_codes;
+        let wide = self.wide_codes.as_slice();
+        match &self.samples {
+            Samples::U8(samples) => triples(samples, indices, |code| narrow[usize::from(code)]),
+            Samples::U16(samples) => triples(samples, indices, |code| wide[usize::from(code)]),
+            Samples::F16(samples) => triples(samples, indices, |value| value.to_f32()),
+            Samples::F32(samples) => triples(samples, indices, |value| value),
+        }
+    }
+
+    /// The only channel of some texels, or the luminances of their colours.
+    #[inline]
+    pub(super) fn scalars<const N: usize>(&self, indices: [usize; N]) -> [f32; N] {
+        if !self.is_grey {
+            return self.colors(indices).map(Spectrum::luminance);
+        }
+        match &self.samples {
+            Samples::U8(samples) => indices.map(|i| self.narrow_codes[usize::from(samples[i])]),
+            Samples::U16(samples) => indices.map(|i| self.wide_codes[usize::from(samples[i])]),
+            Samples::F16(samples) => indices.map(|i| samples[i].to_f32()),
+            Samples::F32(samples) => indices.map(|i| samples[i]),
+        }
+    }
+
+    /// The mean colour.
+    pub(super) fn mean(&self) -> Spectrum {
+        let columns = self.width as usize;
+        let mut sum = [0.0_f64; 3];
+        for row in 0..self.height as usize {
+            for column in 0..columns {
+                let [color] = self.colors([row * columns + column]);
+                let [red, green, blue] = color.rgb().map(f64::from);
+                sum = [sum[0] + red, sum[1] + green, sum[2] + blue];
+            }
+        }
+        let count = f64::from(self.width) * f64::from(self.height);
+        Spectrum::from_rgb(sum.map(|sum| (sum / count) as f32))
+    }
+}
+
+/// Three neighbouring samples of each texel as a colour.
+#[inline]
+fn triples<S: Copy, const N: usize>(
+    samples: &[S],
+    indices: [usize; N],
+    decode: impl Fn(S) -> f32,
+) -> [Spectrum; N] {
+    indices.map(|index| {
+        let triple = &samples[3 * index..3 * index + 3];
+        Spectrum::from_rgb([decode(triple[0]), decode(triple[1]), decode(triple[2])])
+    })
+}
+
+/// The values of all 16-bit codes. A table, as the sRGB curve is slow.
+fn wide_codes(encoded: bool) -> Vec<f32> {
+    let fractions = (0..=u16::MAX).map(|code| f32::from(code) / 65535.0);
+    if encoded { fractions.map(srgb_to_linear).collect() } else { fractions.collect() }
+}
+
+/// Leaves out all channels but a few neighbouring ones.
+fn keep_channels(samples: Samples, stride: usize, kept: std::ops::Range<usize>) -> Samples {
+    fn keep<S: Copy>(samples: Vec<S>, stride: usize, kept: std::ops::Range<usize>) -> Vec<S> {
+        if kept.len() == stride {
+            return samples;
+        }
+        samples.chunks_exact(stride).flat_map(|texel| &texel[kept.clone()]).copied().collect()
+    }
+    match samples {
+        Samples::U8(values) => Samples::U8(keep(values, stride, kept)),
+        Samples::U16(values) => Samples::U16(keep(values, stride, kept)),
+        Samples::F16(values) => Samples::F16(keep(values, stride, kept)),
+        Samples::F32(values) => Samples::F32(keep(values, stride, kept)),
+    }
+}
