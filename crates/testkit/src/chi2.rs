@@ -118,7 +118,8 @@ impl ChiSquare {
         flat.run(
             |random| {
                 let x = sample(random)?;
-                let point = DVec2::new((f64::from(x) - start) / length, 0.5);
+                // The second coordinate carries no information: it makes the line a square.
+                let point = DVec2::new((f64::from(x) - start) / length, random.next_f64());
                 Some((point, f64::from(pdf(x)) * length))
             },
             |point| f64::from(pdf((start + length * point.x) as f32)) * length,
@@ -164,9 +165,9 @@ impl ChiSquare {
             .zip(&tally.observed)
             .map(|(cell, &observed)| {
                 let guides = Guides { points: &cell.pilots, mass: 1.0 / pilot_count };
-                // A fiftieth of the standard deviation of the count adds 1/2500 to χ² per cell.
+                // A share of the standard deviation of the count so small adds nothing to χ².
                 let deviation = (observed as f64).max(MIN_EXPECTED).sqrt();
-                let tolerance = 0.02 * deviation / self.samples.max(1) as f64;
+                let tolerance = 0.005 * deviation / self.samples.max(1) as f64;
                 cubature.integrate(cell.rectangle, tolerance, guides)
             })
             .collect()
@@ -380,7 +381,15 @@ fn sphere_coordinates(direction: Vec3) -> DVec2 {
         return DVec2::NAN;
     }
     let turns = direction.y.atan2(direction.x) / std::f64::consts::TAU;
-    DVec2::new(turns.rem_euclid(1.0), (0.5 * direction.z + 0.5).clamp(0.0, 1.0))
+    // Near the poles z has no digits left, but x and y have all of theirs.
+    let squared_sine = direction.truncate().length_squared();
+    let from_pole = if direction.z.abs() > 0.5 {
+        0.5 * squared_sine / (1.0 + (1.0 - squared_sine).max(0.0).sqrt())
+    } else {
+        0.5 * (1.0 - direction.z.abs())
+    };
+    let height = if direction.z < 0.0 { from_pole } else { 1.0 - from_pole };
+    DVec2::new(turns.rem_euclid(1.0), height)
 }
 
 /// Pearson's test of counts against shares, conditional on the counts' total.

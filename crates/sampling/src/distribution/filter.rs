@@ -112,7 +112,10 @@ mod tests {
         value / 6.0
     }
 
-    fn filters() -> [(f32, fn(f32) -> f32); 4] {
+    /// A radius and a filter.
+    type Case = (f32, fn(f32) -> f32);
+
+    fn filters() -> [Case; 4] {
         [
             (2.0, mitchell),
             (0.5, |_| 1.0),

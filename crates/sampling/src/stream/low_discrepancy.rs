@@ -18,6 +18,6 @@ pub(super) fn next_2d(stream: &SampleStream) -> Vec2 {
     let index = permute(stream.index, stream.sets.count, seed);
     Vec2::new(
         unit_float(index.reverse_bits() ^ scramble),
-        unit_float(second_dimension_reversed(index).reverse_bits() ^ next_seed(scramble)),
+        unit_float(second_dimension_reversed(index).reverse_bits() ^ next_seed(seed, scramble)),
     )
 }

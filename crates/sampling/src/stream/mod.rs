@@ -11,7 +11,7 @@ mod orthogonal;
 mod sobol;
 mod stratified;
 
-use crate::hash::{GOLDEN, ONE_MINUS_EPSILON, mix32, mix64, unit_float};
+use crate::hash::{GOLDEN, ONE_MINUS_EPSILON, mix64, unit_float};
 use glam::{UVec2, Vec2};
 
 /// The greatest planned number of samples per pixel; larger plans are cut to it.
@@ -209,10 +209,11 @@ impl SampleStream {
     }
 }
 
-/// One more seed from a seed.
+/// A third seed from two: the upper half of a product depends on all of their bits.
 #[inline]
-fn next_seed(seed: u32) -> u32 {
-    mix32(seed ^ 0x9e37_79b9)
+fn next_seed(first: u32, second: u32) -> u32 {
+    let joined = u64::from(first) << 32 | u64::from(second);
+    (joined.wrapping_mul(0xd134_2543_de82_ef95) >> 32) as u32
 }
 
 /// The number at share `offset` of stratum `stratum` out of `count`; rounding never reaches one.

@@ -19,7 +19,7 @@ pub(super) fn next_2d(stream: &SampleStream) -> Vec2 {
     let stratum = permute(stream.index, stream.sets.count, seed);
     let (column, row) = (stratum % columns, stratum / columns);
     let sub_column = permute(row, rows, seed_columns);
-    let sub_row = permute(column, columns, next_seed(seed_columns));
+    let sub_row = permute(column, columns, next_seed(seed, seed_columns));
     let jitter = stream.jitter();
     let x = unit_float((jitter >> 32) as u32);
     let y = unit_float(jitter as u32);

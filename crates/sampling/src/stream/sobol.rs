@@ -21,10 +21,11 @@ pub(super) fn next_2d(stream: &SampleStream) -> Vec2 {
     let (shuffle, scramble) = stream.set_seeds();
     let index = scramble_reversed(stream.index, shuffle).reverse_bits();
     let second = second_dimension_reversed(index);
-    Vec2::new(
-        unit_float(scramble_reversed(index, scramble).reverse_bits()),
-        unit_float(scramble_reversed(second, next_seed(scramble)).reverse_bits()),
-    )
+    let x = scramble_reversed(index, scramble);
+    let y = scramble_reversed(second, next_seed(shuffle, scramble));
+    // One reversal for both: the halves change places.
+    let both = (u64::from(x) | u64::from(y) << 32).reverse_bits();
+    Vec2::new(unit_float((both >> 32) as u32), unit_float(both as u32))
 }
 
 /// The second Sobol' coordinate of point `index` as a 32-bit fraction with its bits reversed.

@@ -41,11 +41,15 @@ pub fn pdf(direction: Vec3, one_minus_cosine: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn invert(direction: Vec3, one_minus_cosine: f32) -> Vec2 {
-    let height = height(direction);
-    let scale = safe_sqrt(one_minus_cosine * (2.0 - height));
+    let radius = (height(direction) / one_minus_cosine).clamp(0.0, 1.0).sqrt();
     let planar = direction.truncate();
-    // Opposite the axis the disk's rim is one direction: any of its points will do.
-    concentric_disk::invert(if scale > 0.0 { planar / scale } else { Vec2::X })
+    let length = planar.length();
+    // On the axis, and opposite to it, where the disk's rim is one direction, any azimuth will do.
+    concentric_disk::invert(if length > 0.0 {
+        planar * (radius / length)
+    } else {
+        Vec2::X * radius
+    })
 }
 
 /// 1 − cos of the direction's angle to +z, without cancellation.

@@ -41,10 +41,11 @@ mod tests {
         let mut random = TestRng::new(4);
         for _ in 0..20_000 {
             let direction = random.unit_vector();
-            assert!(sample(invert(direction)).distance(direction) < 2e-3);
-            if direction.z > -0.99 {
-                assert!(sample(invert(direction)).distance(direction) < 4e-6);
-            }
+            // 1 − z = 2r², and four roundings of r move it by 2·10⁻⁶ at most; the angle is worse by
+            // one over the sine.
+            let sine = direction.truncate().length();
+            let error = sample(invert(direction)).distance(direction);
+            assert!(error < 2e-6 / sine.max(1e-3), "{direction}: {error}");
         }
         for axis in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_Z] {
             assert!(sample(invert(axis)).distance(axis) < 2e-3);
