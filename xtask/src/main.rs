@@ -1,2 +1,42 @@
-//! Developer commands.
-fn main() {}
+//! Developer commands: `cargo xtask ci` is the gate that every change passes.
+#![forbid(unsafe_code)]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_macros,
+    reason = "a developer's tool reads files, prints and exits"
+)]
+
+mod ci;
+mod deps;
+mod links;
+mod workspace;
+
+use std::process::ExitCode;
+
+/// A developer command.
+struct Task {
+    name: &'static str,
+    about: &'static str,
+    /// Gets the arguments after the name; returns whether all is well.
+    run: fn(&[String]) -> bool,
+}
+
+/// Every command, one line each.
+const TASKS: &[Task] = &[
+    Task { name: "ci", about: "format, lints, tests, docs, edges, licences", run: ci::run },
+    Task { name: "deps", about: "edges between crates against the table", run: deps::run },
+    Task { name: "links", about: "relative links in Markdown files", run: links::run },
+];
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let name = arguments.first().map(String::as_str);
+    let Some(task) = TASKS.iter().find(|task| Some(task.name) == name) else {
+        eprintln!("usage: cargo xtask COMMAND [ARGUMENTS]\n");
+        for task in TASKS {
+            eprintln!("  {:<10} {}", task.name, task.about);
+        }
+        return ExitCode::from(2);
+    };
+    if (task.run)(&arguments[1..]) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

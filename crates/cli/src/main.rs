@@ -1,2 +1,49 @@
 //! The `etendue` command.
-fn main() {}
+//!
+//! A host of the library: it reads arguments and files, talks to the terminal, and turns what
+//! happened into exit codes. Each subcommand is one file in `commands`.
+#![forbid(unsafe_code)]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "files, environment and exit codes are a host's business"
+)]
+
+mod arguments;
+mod color;
+mod commands;
+mod failure;
+mod findings;
+mod memory;
+mod output;
+mod parsers;
+mod pictures;
+mod progress;
+mod replay;
+mod report;
+mod signals;
+mod terminal;
+mod text;
+mod variances;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::arguments::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Render(arguments) => commands::render::run(&arguments),
+        Command::Check(arguments) => commands::check::run(&arguments),
+        Command::Info(arguments) => commands::info::run(&arguments),
+        Command::Diff(arguments) => commands::diff::run(&arguments),
+        Command::Convert(arguments) => commands::convert::run(&arguments),
+    };
+    match outcome {
+        Ok(status) => ExitCode::from(status.code()),
+        Err(failure) => {
+            terminal::error(&failure.message);
+            ExitCode::from(failure.status.code())
+        }
+    }
+}

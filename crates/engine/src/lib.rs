@@ -14,6 +14,7 @@
 //! ([`Defects`]), never turned into black.
 #![forbid(unsafe_code)]
 
+mod camera;
 mod clock;
 mod error;
 mod film_sums;
@@ -26,6 +27,7 @@ mod statistics;
 mod tile;
 mod workers;
 
+pub use camera::{Camera, Replay};
 pub use error::EngineError;
 pub use film_sums::{Channels, FilmSums};
 pub use observer::{Cancel, FinishedPass, Observer, Progress, Silent};

@@ -1,2 +1,80 @@
 //! A physically based path tracer: the library.
+//!
+//! [`render_file`] is the whole way on one page: read a scene, render it, return the picture with
+//! its layers, its metadata and the [`Statistics`].
+//!
+//! ```
+//! use etendue::{RenderOptions, SceneOptions, render_text};
+//!
+//! let scene = r#"
+//!     <scene version="3.0.0">
+//!         <integrator type="path"/>
+//!         <sensor type="perspective">
+//!             <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+//!             <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/></film>
+//!         </sensor>
+//!         <emitter type="constant"/>
+//!         <shape type="sphere"><bsdf type="diffuse"/></shape>
+//!     </scene>"#;
+//! let options = RenderOptions { samples_per_pixel: Some(4), ..RenderOptions::default() };
+//! let rendering = render_text(scene, &SceneOptions::default(), &options)?;
+//!
+//! let red = rendering.picture.channel("R").unwrap();
+//! assert_eq!(red.data.len(), 16 * 16);
+//! // Under a white sky, a grey sphere is as bright as it is grey.
+//! assert!((red.data[8 * 16 + 8] - 0.5).abs() < 0.1);
+//! # Ok::<(), etendue::Error>(())
+//! ```
+//!
+//! # In steps
+//!
+//! The same in steps, with news and a way to stop, is what the command line does:
+//!
+//! 1. [`Workers::new`] starts the threads; everything below runs on them.
+//! 2. [`load`] reads a scene file through [`Resources`] (such as [`Files`]). What was found wrong
+//!    is in [`Loaded::findings`], every finding with its place.
+//! 3. [`Shot::new`] chooses a camera and a budget.
+//! 4. [`Shot::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
+//!    [`Rendering`].
+//! 5. [`image::encode`] makes a file's bytes of its picture.
+//!
+//! # Parts
+//!
+//! Every part is a crate of its own and can be used alone; they are re-exported here: [`document`]
+//! and [`mitsuba`] (scenes as text), [`scene`] (the frozen scene and its plugins), [`integrators`],
+//! [`engine`], [`image`] (bitmaps, codecs, metrics), [`mesh`], [`bvh`], [`sampling`], [`spectrum`],
+//! [`math`].
 #![forbid(unsafe_code)]
+
+mod error;
+pub mod files;
+mod findings;
+mod load;
+mod options;
+mod rendering;
+mod shot;
+
+pub use etendue_bvh as bvh;
+pub use etendue_document as document;
+pub use etendue_engine as engine;
+pub use etendue_image as image;
+pub use etendue_integrators as integrators;
+pub use etendue_math as math;
+pub use etendue_mesh as mesh;
+pub use etendue_mitsuba as mitsuba;
+pub use etendue_render as scene;
+pub use etendue_sampling as sampling;
+pub use etendue_spectrum as spectrum;
+
+pub use error::Error;
+pub use etendue_document::{Resources, render_diagnostic};
+pub use etendue_engine::{
+    Cancel, Defect, Defects, EngineError, FinishedPass, Observer, Progress, Region, SampleId,
+    Silent, Statistics, Workers,
+};
+pub use files::Files;
+pub use findings::Findings;
+pub use load::{Content, LoadTimes, Loaded, load, load_text};
+pub use options::{RenderOptions, SceneOptions, SensorChoice};
+pub use rendering::Rendering;
+pub use shot::{Shot, render_file, render_text};

@@ -1,0 +1,37 @@
+//! `etendue check`: everything that can be said about a scene without rendering it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::scene::SceneArguments;
+use crate::failure::{Failure, Status};
+use crate::{findings, terminal};
+
+/// What is checked.
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Scene files
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
+}
+
+/// Loads every scene and shows what was found.
+pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let workers = arguments.scene.workers()?;
+    let mut status = Status::Fine;
+    for path in &arguments.scenes {
+        let loaded = arguments.scene.load(path, &workers)?;
+        findings::show_list(&loaded.findings, arguments.scene.detail());
+        if !arguments.scene.quiet {
+            let summary = findings::summary(&loaded.findings);
+            terminal::result(&format!("{}: {summary}\n", path.display()))?;
+        }
+        if loaded.content.is_none() {
+            status = Status::BadInput;
+        }
+    }
+    Ok(status)
+}

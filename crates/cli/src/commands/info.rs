@@ -1,0 +1,132 @@
+//! `etendue info`: what a scene consists of.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use etendue::scene::SensorSetup;
+use etendue::{Content, Loaded};
+use serde_json::{Value, json};
+
+use super::scene::SceneArguments;
+use crate::failure::{Failure, Status};
+use crate::text::{bytes, duration, grouped};
+use crate::{findings, terminal};
+
+/// What is shown, and how.
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// The scene file
+    #[arg(value_name = "SCENE")]
+    path: PathBuf,
+    /// Write JSON, for other programs
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    scene: SceneArguments,
+}
+
+/// Loads a scene and shows what is in it.
+pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let workers = arguments.scene.workers()?;
+    let loaded = arguments.scene.load(&arguments.path, &workers)?;
+    findings::show(&loaded.findings, arguments.scene.detail());
+    let Some(content) = &loaded.content else {
+        return Ok(Status::BadInput);
+    };
+    let shown = if arguments.json {
+        format!("{:#}\n", as_json(&loaded, content))
+    } else {
+        as_text(&loaded, content)
+    };
+    terminal::result(&shown)?;
+    Ok(Status::Fine)
+}
+
+fn as_text(loaded: &Loaded, content: &Content) -> String {
+    let statistics = content.scene.statistics();
+    let bounds = content.scene.bounds();
+    let emitters = statistics.emitters.iter().map(|(kind, count)| format!("{count} {kind}"));
+    let emitters: Vec<String> = emitters.collect();
+    let rows = [
+        ("shapes", grouped(statistics.shapes)),
+        ("triangles", grouped(statistics.triangles)),
+        ("instances", grouped(statistics.instances)),
+        ("materials", grouped(statistics.materials)),
+        ("textures", grouped(statistics.textures)),
+        ("emitters", if emitters.is_empty() { "none".into() } else { emitters.join(", ") }),
+        ("bounds", format!("{} to {}", point(bounds.min), point(bounds.max))),
+        ("sensors", sensors(content).join("; ")),
+        (
+            "memory",
+            format!(
+                "{} meshes, {} trees, {} textures",
+                bytes(statistics.mesh_bytes),
+                bytes(statistics.tree_bytes),
+                bytes(statistics.texture_bytes)
+            ),
+        ),
+        (
+            "loading",
+            format!(
+                "{} text, {} scene",
+                duration(loaded.times.document),
+                duration(loaded.times.scene)
+            ),
+        ),
+        ("findings", findings::summary(&loaded.findings)),
+    ];
+    rows.iter().map(|(name, value)| format!("{name:<10} {value}\n")).collect()
+}
+
+fn point(point: impl Into<[f32; 3]>) -> String {
+    let [x, y, z] = point.into();
+    format!("({x}, {y}, {z})")
+}
+
+/// `0: 640x360, 64 samples per pixel`.
+fn sensors(content: &Content) -> Vec<String> {
+    let describe = |(index, setup): (usize, &SensorSetup)| {
+        let id = setup.id.as_ref().map(|id| format!(" `{id}`")).unwrap_or_default();
+        let (film, count) = (&setup.film, setup.sampler.rounded_sample_count());
+        format!("{index}{id}: {}x{}, {count} samples per pixel", film.width, film.height)
+    };
+    content.scene.sensors().iter().enumerate().map(describe).collect()
+}
+
+fn as_json(loaded: &Loaded, content: &Content) -> Value {
+    let statistics = content.scene.statistics();
+    let bounds = content.scene.bounds();
+    let sensor = |setup: &SensorSetup| {
+        json!({
+            "id": setup.id,
+            "width": setup.film.width,
+            "height": setup.film.height,
+            "samples_per_pixel": setup.sampler.rounded_sample_count(),
+        })
+    };
+    json!({
+        "shapes": statistics.shapes,
+        "triangles": statistics.triangles,
+        "instances": statistics.instances,
+        "materials": statistics.materials,
+        "textures": statistics.textures,
+        "emitters": statistics.emitters,
+        "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
+        "sensors": content.scene.sensors().iter().map(sensor).collect::<Vec<_>>(),
+        "memory_bytes": {
+            "meshes": statistics.mesh_bytes,
+            "trees": statistics.tree_bytes,
+            "textures": statistics.texture_bytes,
+        },
+        "seconds": {
+            "document": loaded.times.document.as_secs_f64(),
+            "scene": loaded.times.scene.as_secs_f64(),
+        },
+        "hash": hexadecimal(&content.scene.content_hash()),
+        "findings": findings::as_json(&loaded.findings),
+    })
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

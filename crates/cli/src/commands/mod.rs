@@ -1,0 +1,8 @@
+//! One file per subcommand: its arguments, and `run`.
+
+pub(crate) mod check;
+pub(crate) mod convert;
+pub(crate) mod diff;
+pub(crate) mod info;
+pub(crate) mod render;
+pub(crate) mod scene;

@@ -1,0 +1,95 @@
+//! The arguments of every command that loads a scene.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use etendue::integrators::IntegratorOptions;
+use etendue::scene::BuildOptions;
+use etendue::{Files, Loaded, SceneOptions, Workers, load};
+
+use crate::failure::Failure;
+use crate::findings::Detail;
+use crate::parsers;
+
+/// How scenes are loaded.
+#[derive(Args, Debug)]
+pub(crate) struct SceneArguments {
+    /// Set $NAME in the scene
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parsers::define)]
+    define: Vec<(String, String)>,
+    /// Look for the scene's files in this folder, too
+    #[arg(long, value_name = "FOLDER")]
+    search_path: Vec<PathBuf>,
+    /// Width and height of the film, in pixels
+    #[arg(long, value_name = "WxH", value_parser = parsers::size)]
+    size: Option<[u32; 2]>,
+    /// The part of the film to render, in pixels
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parsers::crop)]
+    crop: Option<[u32; 4]>,
+    /// The film's reconstruction filter: box, tent, gaussian, mitchell, catmullrom, lanczos
+    #[arg(long, value_name = "NAME")]
+    filter: Option<String>,
+    /// How light is computed, instead of the scene's way: path, direct, depth, aov, moment
+    #[arg(long, value_name = "NAME")]
+    integrator: Option<String>,
+    /// Find light by chance alone, for comparison
+    #[arg(long)]
+    no_emitter_sampling: bool,
+    /// Take an unknown parameter for an error
+    #[arg(long)]
+    strict: bool,
+    /// Take a missing file for a warning, and go on without it
+    #[arg(long)]
+    skip_missing: bool,
+    /// Threads; one per processor by default. The picture does not depend on it
+    #[arg(short = 't', long, value_name = "COUNT")]
+    pub(crate) threads: Option<std::num::NonZeroUsize>,
+    /// Say nothing but errors
+    #[arg(short = 'q', long, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say more
+    #[arg(short = 'v', long)]
+    pub(crate) verbose: bool,
+}
+
+impl SceneArguments {
+    /// How much of the findings is shown.
+    pub(crate) fn detail(&self) -> Detail {
+        match (self.quiet, self.verbose) {
+            (true, _) => Detail::Errors,
+            (_, true) => Detail::Everything,
+            _ => Detail::Warnings,
+        }
+    }
+
+    /// Starts the threads that were asked for.
+    pub(crate) fn workers(&self) -> Result<Workers, Failure> {
+        Workers::new(self.threads).map_err(Failure::failed)
+    }
+
+    /// Loads a scene on these threads.
+    pub(crate) fn load(&self, path: &Path, workers: &Workers) -> Result<Loaded, Failure> {
+        let folder = std::env::current_dir()
+            .map_err(|error| Failure::failed(format!("there is no working directory: {error}")))?;
+        let options = self.options();
+        Ok(workers.run(|| load(path, folder, &Files::default(), &options)))
+    }
+
+    fn options(&self) -> SceneOptions {
+        SceneOptions {
+            defines: self.define.clone(),
+            search_paths: self.search_path.clone(),
+            build: BuildOptions {
+                film_size: self.size,
+                crop: self.crop,
+                filter: self.filter.clone(),
+                skip_missing: self.skip_missing,
+            },
+            integrator: IntegratorOptions {
+                name: self.integrator.clone(),
+                emitter_sampling: !self.no_emitter_sampling,
+            },
+            strict: self.strict,
+        }
+    }
+}

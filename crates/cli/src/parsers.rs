@@ -1,0 +1,154 @@
+//! Readers of argument values.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// `WIDTHxHEIGHT` in pixels.
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| {
+        Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
+    });
+    sides
+        .filter(|sides| !sides.contains(&0))
+        .ok_or_else(|| "expected WIDTHxHEIGHT, such as 640x360".into())
+}
+
+/// `X,Y,WIDTH,HEIGHT` in pixels.
+pub(crate) fn crop(text: &str) -> Result<[u32; 4], String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let numbers = numbers.and_then(|numbers| <[u32; 4]>::try_from(numbers).ok());
+    numbers.ok_or_else(|| "expected X,Y,WIDTH,HEIGHT, such as 100,50,64,64".into())
+}
+
+/// `NAME=VALUE`.
+pub(crate) fn define(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().trim_start_matches('$').to_owned(), value.to_owned()))
+        }
+        _ => Err("expected NAME=VALUE".into()),
+    }
+}
+
+/// `10m`, `1h30m`, `90s`, `500ms`, or seconds.
+pub(crate) fn time(text: &str) -> Result<Duration, String> {
+    let problem = || "expected a time such as 90s, 10m or 1h30m".to_owned();
+    if let Ok(seconds) = text.parse() {
+        return Duration::try_from_secs_f64(seconds).map_err(|_| problem());
+    }
+    let mut total = Duration::ZERO;
+    let mut rest = text;
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').ok_or_else(problem)?;
+        let (number, after) = rest.split_at(digits);
+        let letters = after.find(|c: char| c.is_ascii_digit() || c == '.').unwrap_or(after.len());
+        let (unit, next) = after.split_at(letters);
+        let number: f64 = number.parse().map_err(|_| problem())?;
+        let seconds = unit_in_seconds(unit).ok_or_else(problem)?;
+        let part = Duration::try_from_secs_f64(number * seconds).map_err(|_| problem())?;
+        total = total.checked_add(part).ok_or_else(problem)?;
+        rest = next;
+    }
+    if text.is_empty() { Err(problem()) } else { Ok(total) }
+}
+
+fn unit_in_seconds(unit: &str) -> Option<f64> {
+    match unit {
+        "ms" => Some(1e-3),
+        "s" => Some(1.0),
+        "m" | "min" => Some(60.0),
+        "h" => Some(3600.0),
+        "d" => Some(86400.0),
+        _ => None,
+    }
+}
+
+/// A file of variances: `FILE`, or `FILE@COUNT` where it holds the variance of single samples and
+/// the picture is the mean of `COUNT` of them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct VarianceFile {
+    pub(crate) path: PathBuf,
+    /// Samples that the picture is the mean of; 1 where the variance is the mean's already.
+    pub(crate) count: f64,
+}
+
+/// `FILE` or `FILE@COUNT`.
+pub(crate) fn variance_file(text: &str) -> Result<VarianceFile, String> {
+    let Some((path, count)) = text.rsplit_once('@') else {
+        return Ok(VarianceFile { path: text.into(), count: 1.0 });
+    };
+    match count.parse::<f64>() {
+        Ok(count) if count >= 1.0 && count.is_finite() => {
+            Ok(VarianceFile { path: path.into(), count })
+        }
+        _ => Err("expected FILE or FILE@COUNT, such as variance.exr@4096".into()),
+    }
+}
+
+/// `X,Y,INDEX`: a pixel of the film, and which of its samples.
+pub(crate) fn sample_id(text: &str) -> Result<etendue::SampleId, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, index]) => Ok(etendue::SampleId { index, y, x }),
+        _ => Err("expected X,Y,INDEX, such as 100,50,3".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_crops() {
+        assert_eq!(size("640x360"), Ok([640, 360]));
+        for wrong in ["640", "x", "0x5", "-1x5", "1x2x3", "1e3x5", "99999999999x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(crop("1, 2,3,4"), Ok([1, 2, 3, 4]));
+        for wrong in ["1,2,3", "1,2,3,4,5", "a,b,c,d", "-1,0,2,2", ""] {
+            assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn times_with_and_without_units() {
+        let cases = [
+            ("90", 90.0),
+            ("1.5", 1.5),
+            ("10m", 600.0),
+            ("1h30m", 5400.0),
+            ("500ms", 0.5),
+            ("1d", 86400.0),
+            ("2min5s", 125.0),
+        ];
+        for (text, seconds) in cases {
+            assert_eq!(time(text).unwrap().as_secs_f64(), seconds, "{text}");
+        }
+        for wrong in ["", "m", "10x", "-5", "1h30q", "nan", "inf", "1e300", "5 m", "1.2.3s"] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn definitions_keep_everything_after_the_first_equals_sign() {
+        assert_eq!(define("a=b=c"), Ok(("a".into(), "b=c".into())));
+        assert_eq!(define("$a="), Ok(("a".into(), String::new())));
+        assert!(define("a").is_err());
+        assert!(define("=b").is_err());
+    }
+
+    #[test]
+    fn variances_with_and_without_a_count() {
+        let plain = VarianceFile { path: "a.exr".into(), count: 1.0 };
+        assert_eq!(variance_file("a.exr"), Ok(plain.clone()));
+        assert_eq!(variance_file("a.exr@64"), Ok(VarianceFile { count: 64.0, ..plain }));
+        assert!(variance_file("a.exr@many").is_err());
+        assert!(variance_file("a.exr@0").is_err());
+    }
+
+    #[test]
+    fn samples_are_named_by_pixel_and_index() {
+        assert_eq!(sample_id("1,2,3"), Ok(etendue::SampleId { x: 1, y: 2, index: 3 }));
+        assert!(sample_id("1,2").is_err());
+    }
+}

@@ -1,0 +1,114 @@
+//! How far the render is: a bar on a terminal, plain lines elsewhere.
+
+use std::io::{IsTerminal, stderr};
+use std::sync::Mutex;
+use std::time::Duration;
+
+use etendue::{Observer, Progress};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::{terminal, text};
+
+/// The bar's length: fractions of a thousandth are not seen.
+const STEPS: u64 = 1000;
+
+/// Plain lines come this often at most, and at least this often.
+const LINE_INTERVALS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
+
+/// Shows progress in one of three ways.
+pub(crate) enum ProgressDisplay {
+    /// A bar that the engine's news moves; no thread of its own.
+    Bar(ProgressBar),
+    /// Lines, the time of the next of which is kept.
+    Lines(Mutex<Duration>),
+    /// Nothing.
+    Silent,
+}
+
+impl ProgressDisplay {
+    /// What suits standard error; nothing if `quiet`.
+    pub(crate) fn new(quiet: Quiet) -> Self {
+        if quiet.0 {
+            Self::Silent
+        } else if stderr().is_terminal() {
+            Self::Bar(bar())
+        } else {
+            Self::Lines(Mutex::new(LINE_INTERVALS[0]))
+        }
+    }
+
+    /// Removes the bar, so that what follows starts on a clean line.
+    pub(crate) fn finish(&self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Whether progress is kept quiet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Quiet(pub(crate) bool);
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
+
+impl Observer for ProgressDisplay {
+    fn progress(&self, progress: &Progress) {
+        match self {
+            Self::Bar(bar) => {
+                bar.set_position((progress.fraction() * STEPS as f64) as u64);
+                bar.set_message(describe(progress));
+            }
+            Self::Lines(next) => {
+                // Only one thread reports at a time; a poisoned lock still holds a time.
+                let mut next = next.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                if progress.elapsed >= *next {
+                    *next = progress.elapsed + line_interval(progress.elapsed);
+                    let percent = progress.fraction() * 100.0;
+                    terminal::message_line(&format!("{percent:5.1} %  {}", describe(progress)));
+                }
+            }
+            Self::Silent => {}
+        }
+    }
+}
+
+/// Lines get rarer the longer it takes, so that a log stays short.
+fn line_interval(elapsed: Duration) -> Duration {
+    (elapsed / 8).clamp(LINE_INTERVALS[0], LINE_INTERVALS[1])
+}
+
+fn describe(progress: &Progress) -> String {
+    let rate = text::scaled(progress.rate());
+    match progress.time_left() {
+        Some(left) => format!("{rate}samples/s, {} left", text::duration(left)),
+        None => format!("{rate}samples/s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_description_has_rate_and_time_left() {
+        let progress = Progress {
+            samples_done: 2_000_000,
+            samples_total: Some(8_000_000),
+            elapsed: Duration::from_secs(4),
+            time_limit: None,
+        };
+        assert_eq!(describe(&progress), "500 ksamples/s, 12 s left");
+    }
+
+    #[test]
+    fn lines_get_rarer() {
+        assert_eq!(line_interval(Duration::ZERO), LINE_INTERVALS[0]);
+        assert_eq!(line_interval(Duration::from_secs(80)), Duration::from_secs(10));
+        assert_eq!(line_interval(Duration::from_secs(10_000)), LINE_INTERVALS[1]);
+    }
+}

@@ -1,0 +1,77 @@
+//! Samples that were left out of a picture, and how to look into one.
+
+use etendue::engine::SampleSource;
+use etendue::{Defect, Defects, SampleId, Shot};
+
+use crate::failure::Failure;
+use crate::{terminal, text};
+
+/// Says how many samples were left out and how the first of them can be taken again.
+pub(crate) fn report(defects: &Defects) {
+    if defects.total() == 0 {
+        return;
+    }
+    let left_out = text::counted(usize::try_from(defects.total()).unwrap_or(usize::MAX), "sample");
+    let (non_finite, negative) = (defects.non_finite, defects.negative);
+    terminal::warning(&format!(
+        "{left_out} left out of the picture: {non_finite} not finite, {negative} negative"
+    ));
+    let command = command_line();
+    for (id, defect) in &defects.first {
+        let kind = match defect {
+            Defect::NonFinite => "not finite",
+            Defect::Negative => "negative",
+        };
+        let SampleId { index, y, x } = id;
+        terminal::message_line(&format!("  {kind}: {command} --replay {x},{y},{index}"));
+    }
+}
+
+/// This run's arguments, as a shell would take them again.
+fn command_line() -> String {
+    std::env::args().map(|argument| quote(&argument)).collect::<Vec<_>>().join(" ")
+}
+
+/// An argument as a POSIX shell reads it.
+fn quote(argument: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:@+".contains(c);
+    if !argument.is_empty() && argument.chars().all(is_plain) {
+        return argument.to_owned();
+    }
+    format!("'{}'", argument.replace('\'', r"'\''"))
+}
+
+/// Takes one sample again and shows what it says.
+pub(crate) fn show(shot: &Shot<'_>, id: SampleId) -> Result<(), Failure> {
+    let film = &shot.setup().film;
+    if id.x >= film.width || id.y >= film.height {
+        let (x, y, width, height) = (id.x, id.y, film.width, film.height);
+        return Err(Failure::bad_input(format!(
+            "there is no pixel {x},{y} on a film of {width}x{height}"
+        )));
+    }
+    let replay = shot.camera().replay(id);
+    let [red, green, blue] = replay.sample.color.rgb();
+    let mut shown = format!("pixel {},{}  sample {}\n", id.x, id.y, id.index);
+    shown.push_str(&format!("radiance  {red} {green} {blue}\n"));
+    shown.push_str(&format!("alpha     {}\n", replay.sample.alpha));
+    shown.push_str(&format!("weight    {}\n", replay.sample.weight));
+    for (name, value) in shot.camera().layers().iter().zip(&replay.layers) {
+        shown.push_str(&format!("{name}  {value}\n"));
+    }
+    terminal::result(&shown)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arguments_are_quoted_where_a_shell_would_split_or_expand_them() {
+        assert_eq!(quote("a/b-c.xml"), "a/b-c.xml");
+        assert_eq!(quote("two words"), "'two words'");
+        assert_eq!(quote("it's"), r"'it'\''s'");
+        assert_eq!(quote("$a"), "'$a'");
+        assert_eq!(quote(""), "''");
+    }
+}

@@ -1,0 +1,75 @@
+//! The source of samples that a scene is: film, sensor, random numbers, integrator.
+
+use etendue_integrators::Integrator;
+use etendue_render::{Scene, SensorSetup};
+use etendue_sampling::SamplerSpec;
+use glam::{UVec2, Vec2};
+
+use crate::source::{Sample, SampleId, SampleSource};
+
+/// One camera of a scene, ready to be asked for samples.
+///
+/// A sample takes its random numbers in this order: two for the place within the reconstruction
+/// filter, two for the aperture, and the rest is the integrator's.
+#[derive(Clone, Copy)]
+pub struct Camera<'a> {
+    scene: &'a Scene,
+    setup: &'a SensorSetup,
+    sampler: SamplerSpec,
+    integrator: &'a dyn Integrator,
+    /// One over the film's width and height.
+    pixel_size: Vec2,
+}
+
+/// A sample taken alone, to look into it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    /// Where it belongs.
+    pub id: SampleId,
+    /// What it says about its pixel.
+    pub sample: Sample,
+    /// The values of the extra layers.
+    pub layers: Vec<f32>,
+}
+
+impl<'a> Camera<'a> {
+    /// A camera whose random numbers are planned by `sampler`, which may differ from the scene's.
+    pub fn new(
+        scene: &'a Scene,
+        setup: &'a SensorSetup,
+        sampler: SamplerSpec,
+        integrator: &'a dyn Integrator,
+    ) -> Self {
+        let size = UVec2::new(setup.film.width, setup.film.height);
+        Self { scene, setup, sampler, integrator, pixel_size: size.as_vec2().recip() }
+    }
+
+    /// Where its random numbers come from.
+    pub fn sampler(&self) -> &SamplerSpec {
+        &self.sampler
+    }
+
+    /// Takes one sample exactly as a render takes it.
+    pub fn replay(&self, id: SampleId) -> Replay {
+        let mut layers = vec![0.0; self.integrator.layers().len()];
+        let sample = self.sample(id, &mut layers);
+        Replay { id, sample, layers }
+    }
+}
+
+impl SampleSource for Camera<'_> {
+    fn layers(&self) -> &[String] {
+        self.integrator.layers()
+    }
+
+    fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
+        layers.fill(0.0);
+        let pixel = UVec2::new(id.x, id.y);
+        let mut stream = self.sampler.start(pixel, id.index);
+        let (offset, weight) = self.setup.film.filter.sample(stream.next_2d());
+        let film_position = (pixel.as_vec2() + 0.5 + offset) * self.pixel_size;
+        let sensor = self.setup.sensor.sample_ray(film_position, stream.next_2d());
+        let radiance = self.integrator.sample(self.scene, &sensor.ray, &mut stream, layers);
+        Sample { color: radiance.color * sensor.weight, alpha: radiance.alpha, weight }
+    }
+}

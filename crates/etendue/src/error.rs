@@ -1,0 +1,81 @@
+//! Why there is no picture.
+
+use std::fmt;
+
+use etendue_engine::EngineError;
+
+use crate::{Findings, SensorChoice};
+
+/// Why there is no picture.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene cannot be loaded.
+    Scene(Box<Findings>),
+    /// The scene has no camera, or not the one asked for.
+    Sensor {
+        /// The one asked for.
+        choice: SensorChoice,
+        /// What there is: the `id` of each, where it has one.
+        available: Vec<Option<String>>,
+    },
+    /// The render cannot be started.
+    Engine(EngineError),
+}
+
+impl From<EngineError> for Error {
+    fn from(error: EngineError) -> Self {
+        Self::Engine(error)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene(findings) => findings.fmt(formatter),
+            Self::Sensor { choice, available } => fmt_sensor(formatter, choice, available),
+            Self::Engine(error) => error.fmt(formatter),
+        }
+    }
+}
+
+fn fmt_sensor(
+    formatter: &mut fmt::Formatter<'_>,
+    choice: &SensorChoice,
+    available: &[Option<String>],
+) -> fmt::Result {
+    match choice {
+        _ if available.is_empty() => return write!(formatter, "the scene has no sensor"),
+        SensorChoice::Index(index) => write!(formatter, "the scene has no sensor {index}")?,
+        SensorChoice::Id(id) => write!(formatter, "the scene has no sensor `{id}`")?,
+    }
+    let names = available.iter().enumerate().map(|(index, id)| match id {
+        Some(id) => format!("{index} (`{id}`)"),
+        None => index.to_string(),
+    });
+    write!(formatter, ", but {}", names.collect::<Vec<_>>().join(", "))
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Engine(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_sensor_is_told_what_there_is() {
+        let available = vec![None, Some("top".to_owned())];
+        let choice = SensorChoice::from("side");
+        let error = Error::Sensor { choice, available: available.clone() };
+        assert_eq!(error.to_string(), "the scene has no sensor `side`, but 0, 1 (`top`)");
+        let error = Error::Sensor { choice: SensorChoice::from("2"), available };
+        assert_eq!(error.to_string(), "the scene has no sensor 2, but 0, 1 (`top`)");
+    }
+}

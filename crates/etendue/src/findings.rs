@@ -1,0 +1,45 @@
+//! What was found while a scene was loaded.
+
+use std::fmt;
+
+use etendue_document::{Diagnostic, Diagnostics, Severity, Sources, render_diagnostic};
+
+/// Everything that was found, with the texts that it was found in.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    /// By place: file by file, then down the page.
+    pub list: Vec<Diagnostic>,
+    /// How many errors there are, those not kept included.
+    pub error_count: usize,
+    /// How many findings were not kept.
+    pub omitted: usize,
+    /// The texts.
+    pub sources: Sources,
+}
+
+impl Findings {
+    pub(crate) fn new(diagnostics: &Diagnostics, sources: Sources) -> Self {
+        Self {
+            list: diagnostics.sorted(),
+            error_count: diagnostics.error_count(),
+            omitted: diagnostics.omitted(),
+            sources,
+        }
+    }
+
+    /// Whether anything forbids rendering.
+    pub fn has_errors(&self) -> bool {
+        self.error_count > 0
+    }
+}
+
+impl fmt::Display for Findings {
+    /// The errors, each with its place and excerpt.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let errors = self.list.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
+        for error in errors {
+            formatter.write_str(&render_diagnostic(error, &self.sources, false))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,123 @@
+//! From a scene file to a scene that can be rendered.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use etendue_document::{Diagnostics, Document, Resources, Sources};
+use etendue_integrators::{Integrator, build_integrator};
+use etendue_mitsuba::LoadOptions;
+use etendue_render::{Scene, build_scene};
+
+use crate::{Findings, SceneOptions};
+
+/// A scene that has been read.
+pub struct Loaded {
+    /// What there is to render; `None` if there were errors.
+    pub content: Option<Content>,
+    /// Errors and warnings.
+    pub findings: Findings,
+    /// How long it took.
+    pub times: LoadTimes,
+}
+
+/// A scene and how its light is computed.
+pub struct Content {
+    /// What light meets.
+    pub scene: Scene,
+    /// How it is computed.
+    pub integrator: Box<dyn Integrator>,
+}
+
+/// Wall time of loading, by part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoadTimes {
+    /// From text to document.
+    pub document: Duration,
+    /// From document to scene: meshes, textures, acceleration structures.
+    pub scene: Duration,
+}
+
+/// Reads a scene file with everything that it names.
+///
+/// Errors do not end it early where it can go on, so that one run finds them all. Parallel parts
+/// run on the current thread pool: call it within [`crate::Workers::run`]. Relative paths start at
+/// `working_directory`.
+pub fn load(
+    path: &Path,
+    working_directory: PathBuf,
+    resources: &dyn Resources,
+    options: &SceneOptions,
+) -> Loaded {
+    let whole_path = working_directory.join(path);
+    let read_again = || {
+        // Without a document its texts are lost; errors in the main file still want an excerpt.
+        let bytes = resources.read(&whole_path).unwrap_or_default();
+        let mut sources = Sources::default();
+        sources.add(path.display().to_string(), String::from_utf8_lossy(&bytes).into_owned());
+        sources
+    };
+    let load_options = load_options(working_directory.clone(), options);
+    load_with(resources, options, read_again, |diagnostics| {
+        etendue_mitsuba::load(path, resources, &load_options, diagnostics)
+    })
+}
+
+/// The same for a scene in memory. The files that it names are sought in `working_directory`.
+pub fn load_text(
+    text: &str,
+    working_directory: PathBuf,
+    resources: &dyn Resources,
+    options: &SceneOptions,
+) -> Loaded {
+    let keep_text = || {
+        let mut sources = Sources::default();
+        sources.add("<scene>", text);
+        sources
+    };
+    let load_options = load_options(working_directory, options);
+    load_with(resources, options, keep_text, |diagnostics| {
+        etendue_mitsuba::load_str(text, resources, &load_options, diagnostics)
+    })
+}
+
+fn load_options(working_directory: PathBuf, options: &SceneOptions) -> LoadOptions {
+    LoadOptions {
+        defines: options.defines.clone(),
+        search_paths: options.search_paths.clone(),
+        working_directory,
+        ..LoadOptions::default()
+    }
+}
+
+fn load_with(
+    resources: &dyn Resources,
+    options: &SceneOptions,
+    sources_without_document: impl FnOnce() -> Sources,
+    read: impl FnOnce(&Diagnostics) -> Option<Document>,
+) -> Loaded {
+    let diagnostics = if options.strict { Diagnostics::strict() } else { Diagnostics::new() };
+    let started = Instant::now();
+    let document = read(&diagnostics);
+    let document_time = started.elapsed();
+    let content = document
+        .as_ref()
+        .and_then(|document| build(document, resources, &diagnostics, options))
+        .filter(|_| !diagnostics.has_errors());
+    let times = LoadTimes {
+        document: document_time,
+        scene: started.elapsed().saturating_sub(document_time),
+    };
+    let sources = document.map_or_else(sources_without_document, |document| document.sources);
+    Loaded { content, findings: Findings::new(&diagnostics, sources), times }
+}
+
+fn build(
+    document: &Document,
+    resources: &dyn Resources,
+    diagnostics: &Diagnostics,
+    options: &SceneOptions,
+) -> Option<Content> {
+    let scene = build_scene(document, resources, diagnostics, &options.build)?;
+    let integrator = build_integrator(document, &scene, &options.integrator, diagnostics)?;
+    Some(Content { scene, integrator })
+}

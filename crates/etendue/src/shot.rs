@@ -1,0 +1,143 @@
+//! One camera of one scene, rendered.
+
+use std::path::{Path, PathBuf};
+
+use etendue_document::{MemoryResources, Resources};
+use etendue_engine::{Budget, Camera, Job, Region, render_samples};
+use etendue_render::SensorSetup;
+use etendue_sampling::SamplerSpec;
+
+use crate::load::Content;
+use crate::options::DEFAULT_MEMORY_LIMIT;
+use crate::{
+    Cancel, Error, Files, Loaded, Observer, RenderOptions, Rendering, SceneOptions, SensorChoice,
+    Silent, Workers, load, load_text,
+};
+
+/// Reads a scene file from disk and renders it: the whole way on one page.
+///
+/// Relative paths start at the current folder. Warnings are dropped here; [`load`] keeps them.
+///
+/// # Errors
+///
+/// [`Error`] if the scene cannot be loaded, has no such camera, or cannot be rendered.
+pub fn render_file(
+    path: impl AsRef<Path>,
+    scene_options: &SceneOptions,
+    options: &RenderOptions,
+) -> Result<Rendering, Error> {
+    let path = path.as_ref();
+    let files = Files::default();
+    let folder = std::env::current_dir().unwrap_or_default();
+    render_loaded(options, || load(path, folder, &files, scene_options))
+}
+
+/// Renders a scene that is a text. It cannot name files.
+///
+/// # Errors
+///
+/// As [`render_file`].
+pub fn render_text(
+    text: &str,
+    scene_options: &SceneOptions,
+    options: &RenderOptions,
+) -> Result<Rendering, Error> {
+    let nothing: &dyn Resources = &MemoryResources::default();
+    render_loaded(options, || load_text(text, PathBuf::new(), nothing, scene_options))
+}
+
+fn render_loaded(
+    options: &RenderOptions,
+    load: impl FnOnce() -> Loaded + Send,
+) -> Result<Rendering, Error> {
+    let workers = Workers::new(options.threads)?;
+    let loaded = workers.run(load);
+    let content = loaded.content.ok_or_else(|| Error::Scene(Box::new(loaded.findings)))?;
+    Shot::new(&content, options)?.render(&workers, &Silent, &Cancel::new())
+}
+
+/// A camera that is ready to render.
+pub struct Shot<'a> {
+    camera: Camera<'a>,
+    content: &'a Content,
+    setup: &'a SensorSetup,
+    job: Job,
+    variance: bool,
+}
+
+impl<'a> Shot<'a> {
+    /// Chooses a camera of the scene and what to spend on it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Sensor`] if there is no such camera.
+    pub fn new(content: &'a Content, options: &RenderOptions) -> Result<Self, Error> {
+        let setup = find_sensor(content, &options.sensor)?;
+        let own_count = setup.sampler.rounded_sample_count();
+        // A time alone means as many samples as it has room for.
+        let default_count = options.time_limit.is_none().then_some(own_count);
+        let samples_per_pixel = options.samples_per_pixel.or(default_count);
+        let sampler = SamplerSpec::new(
+            setup.sampler.kind(),
+            samples_per_pixel.unwrap_or(own_count),
+            options.seed.unwrap_or(setup.sampler.seed()),
+        );
+        let crop = setup.film.crop;
+        let region = Region { x: crop.x, y: crop.y, width: crop.width, height: crop.height };
+        let job = Job {
+            region,
+            budget: Budget { samples_per_pixel, time: options.time_limit },
+            memory_limit: options.memory_limit.unwrap_or(DEFAULT_MEMORY_LIMIT),
+        };
+        let camera = Camera::new(&content.scene, setup, sampler, &*content.integrator);
+        Ok(Self { camera, content, setup, job, variance: options.variance })
+    }
+
+    /// Where its samples come from, for replaying one.
+    pub fn camera(&self) -> &Camera<'a> {
+        &self.camera
+    }
+
+    /// The pixels that are rendered and the budget they are given.
+    pub fn job(&self) -> &Job {
+        &self.job
+    }
+
+    /// The camera, its film and its sampler, as the scene says.
+    pub fn setup(&self) -> &'a SensorSetup {
+        self.setup
+    }
+
+    /// Renders until the budget is spent or `cancel` says stop.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if it cannot be started.
+    pub fn render(
+        &self,
+        workers: &Workers,
+        observer: &dyn Observer,
+        cancel: &Cancel,
+    ) -> Result<Rendering, Error> {
+        let (film, statistics) =
+            render_samples(&self.camera, &self.job, workers, observer, cancel)?;
+        let identity = crate::rendering::Identity {
+            scene_hash: self.content.scene.content_hash(),
+            seed: self.camera.sampler().seed(),
+            variance: self.variance,
+        };
+        Ok(Rendering::new(&film, statistics, self.setup, &identity))
+    }
+}
+
+fn find_sensor<'a>(content: &'a Content, choice: &SensorChoice) -> Result<&'a SensorSetup, Error> {
+    let sensors = content.scene.sensors();
+    let found = match choice {
+        SensorChoice::Index(index) => sensors.get(*index),
+        SensorChoice::Id(id) => sensors.iter().find(|setup| setup.id.as_ref() == Some(id)),
+    };
+    found.ok_or_else(|| Error::Sensor {
+        choice: choice.clone(),
+        available: sensors.iter().map(|setup| setup.id.clone()).collect(),
+    })
+}

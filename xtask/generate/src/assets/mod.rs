@@ -1,0 +1,69 @@
+//! `cargo xtask assets`: makes the meshes and pictures that the scenes under `scenes/` use.
+//!
+//! They are committed, so that a clone renders without this; `--check` says whether what is
+//! committed is what this makes.
+
+mod noise;
+mod paint;
+mod patch;
+mod pictures;
+mod sculptures;
+
+use clap::Args;
+
+use crate::repository::{Made, Mode, write_or_check};
+
+/// What to do with the files.
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Write nothing; fail where a file is not what would be written
+    #[arg(long)]
+    check: bool,
+}
+
+/// A file and what makes its bytes.
+struct Asset {
+    /// Where it lies, from the root of the repository.
+    path: &'static str,
+    make: fn() -> Vec<u8>,
+}
+
+const fn asset(path: &'static str, make: fn() -> Vec<u8>) -> Asset {
+    Asset { path, make }
+}
+
+/// Every file.
+const ASSETS: &[Asset] = &[
+    asset("scenes/depth-of-field/backdrop.ply", sculptures::backdrop),
+    asset("scenes/plastics/backdrop.ply", sculptures::backdrop),
+    asset("scenes/plastics/knot.ply", sculptures::knot),
+    asset("scenes/rough-metals/backdrop.ply", sculptures::backdrop),
+    asset("scenes/soft-shadows/basket.ply", sculptures::basket),
+    asset("scenes/textures/bricks-color.png", pictures::bricks_color),
+    asset("scenes/textures/bricks-height.png", pictures::bricks_height),
+    asset("scenes/textures/holes.png", pictures::holes),
+    asset("scenes/textures/wood.png", pictures::wood),
+];
+
+/// The greatest size of one file, in bytes: a clone is to stay small.
+const SIZE_LIMIT: usize = 500_000;
+
+/// Writes the files, or checks them.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
+    let files: Vec<Made> =
+        ASSETS.iter().map(|asset| Made { path: asset.path, bytes: (asset.make)() }).collect();
+    if let Some(large) = files.iter().find(|file| file.bytes.len() > SIZE_LIMIT) {
+        return Err(format!("{} would have {} bytes", large.path, large.bytes.len()));
+    }
+    write_or_check(&files, Mode::from_check(arguments.check))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn committed_files_are_what_this_makes() {
+        assert_eq!(run(&Arguments { check: true }), Ok(()));
+    }
+}

@@ -1,0 +1,19 @@
+//! `cargo xtask docs`: writes the reference pages from what the code says of itself.
+
+use clap::Args;
+
+use crate::repository::{Made, Mode, write_or_check};
+
+/// What to do with the pages.
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Write nothing; fail where a page is not what would be written
+    #[arg(long)]
+    check: bool,
+}
+
+/// Writes the pages, or checks them.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
+    let files: Vec<Made> = Vec::new();
+    write_or_check(&files, Mode::from_check(arguments.check))
+}

@@ -1,0 +1,61 @@
+//! The files of the repository.
+
+use std::fs;
+use std::path::PathBuf;
+
+/// The root of the repository.
+pub(crate) fn root() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}
+
+/// A committed file that is made, with its path from the root.
+pub(crate) struct Made {
+    pub(crate) path: &'static str,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Made {
+    /// Whether the file in the repository is this one.
+    pub(crate) fn is_current(&self) -> bool {
+        fs::read(root().join(self.path)).is_ok_and(|bytes| bytes == self.bytes)
+    }
+
+    /// Puts it in its place.
+    pub(crate) fn write(&self) -> Result<(), String> {
+        let path = root().join(self.path);
+        let message = |error: std::io::Error| format!("{}: {error}", self.path);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(message)?;
+        }
+        fs::write(path, &self.bytes).map_err(message)?;
+        println!("{:>8} bytes  {}", self.bytes.len(), self.path);
+        Ok(())
+    }
+}
+
+/// Whether files are written or compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    Write,
+    Check,
+}
+
+impl Mode {
+    /// What `--check` says.
+    pub(crate) fn from_check(check: bool) -> Self {
+        if check { Self::Check } else { Self::Write }
+    }
+}
+
+/// Writes the files, or fails naming those that are not what would be written.
+pub(crate) fn write_or_check(files: &[Made], mode: Mode) -> Result<(), String> {
+    if mode == Mode::Write {
+        return files.iter().try_for_each(Made::write);
+    }
+    let stale: Vec<&str> =
+        files.iter().filter(|file| !file.is_current()).map(|file| file.path).collect();
+    if stale.is_empty() {
+        return Ok(());
+    }
+    Err(format!("not current, run this again without --check: {}", stale.join(", ")))
+}

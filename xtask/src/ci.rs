@@ -1,0 +1,109 @@
+//! `cargo xtask ci`: everything that a change must pass.
+
+use std::process::Command;
+use std::time::Instant;
+
+use crate::workspace::{cargo, has_subcommand};
+use crate::{deps, links};
+
+/// How a step ended.
+enum Outcome {
+    Passed,
+    Failed,
+    /// Not run, for this reason.
+    Skipped(&'static str),
+}
+
+/// One check.
+struct Step {
+    name: &'static str,
+    run: fn() -> Outcome,
+}
+
+/// The checks, the quick ones first.
+const STEPS: &[Step] = &[
+    Step { name: "format", run: format },
+    Step { name: "dependency edges", run: || passed(deps::run(&[])) },
+    Step { name: "links", run: || passed(links::run(&[])) },
+    Step { name: "lints", run: lints },
+    Step { name: "tests", run: tests },
+    Step { name: "documentation", run: documentation },
+    Step { name: "unused dependencies", run: unused_dependencies },
+    Step { name: "licences", run: licences },
+];
+
+/// Runs every step, also after one has failed, and counts.
+pub(crate) fn run(_arguments: &[String]) -> bool {
+    let mut failed = Vec::new();
+    let mut passed_count = 0;
+    for step in STEPS {
+        println!("== {}", step.name);
+        let started = Instant::now();
+        let outcome = (step.run)();
+        let seconds = started.elapsed().as_secs_f64();
+        match outcome {
+            Outcome::Passed => {
+                passed_count += 1;
+                println!("-- {}: passed in {seconds:.1} s\n", step.name);
+            }
+            Outcome::Failed => {
+                failed.push(step.name);
+                println!("-- {}: FAILED in {seconds:.1} s\n", step.name);
+            }
+            Outcome::Skipped(reason) => println!("-- {}: skipped, {reason}\n", step.name),
+        }
+    }
+    if !failed.is_empty() {
+        println!("failed: {}", failed.join(", "));
+    }
+    println!("{passed_count} passed, {} failed", failed.len());
+    failed.is_empty()
+}
+
+fn format() -> Outcome {
+    succeeds(cargo().args(["fmt", "--all", "--check"]))
+}
+
+fn lints() -> Outcome {
+    let arguments = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
+    succeeds(cargo().args(arguments))
+}
+
+fn tests() -> Outcome {
+    succeeds(cargo().args(["test", "--workspace", "--quiet", "--no-fail-fast"]))
+}
+
+fn documentation() -> Outcome {
+    let mut command = cargo();
+    command.args(["doc", "--workspace", "--no-deps", "--quiet"]);
+    succeeds(command.env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+fn unused_dependencies() -> Outcome {
+    if !has_subcommand("machete") {
+        return Outcome::Skipped("cargo-machete is not installed");
+    }
+    succeeds(cargo().arg("machete"))
+}
+
+/// Advisories are left out: they need a database from the network, and change without a commit.
+fn licences() -> Outcome {
+    if !has_subcommand("deny") {
+        return Outcome::Skipped("cargo-deny is not installed");
+    }
+    succeeds(cargo().args(["deny", "check", "licenses", "bans", "sources"]))
+}
+
+fn succeeds(command: &mut Command) -> Outcome {
+    match command.status() {
+        Ok(status) => passed(status.success()),
+        Err(error) => {
+            eprintln!("cannot start {:?}: {error}", command.get_program());
+            Outcome::Failed
+        }
+    }
+}
+
+fn passed(is_well: bool) -> Outcome {
+    if is_well { Outcome::Passed } else { Outcome::Failed }
+}
