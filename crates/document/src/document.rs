@@ -117,7 +117,8 @@ pub struct Child {
 
 /// A scene as text says it: nodes in one flat list, places, and where files are looked for.
 ///
-/// References are resolved and never form a cycle, so a walk from the root ends.
+/// References are resolved and never form a cycle, so a walk from the root ends. A node may have
+/// several parents: who builds something from it keeps the result by [`NodeId`].
 #[derive(Clone, Debug)]
 pub struct Document {
     /// Every node; [`NodeId`] is the position here.

@@ -3,13 +3,17 @@
 /// At most this many suggestions are of use.
 const SUGGESTION_LIMIT: usize = 3;
 
+/// From this similarity on, a name is suggested.
+const NEAR: f64 = 0.6;
+
 /// Names longer than this are not compared: the distance is quadratic in their length.
 const COMPARED_LENGTH: usize = 64;
 
 /// The candidates that resemble `name`, the nearest first, at most three.
 ///
-/// Similarity is the Damerau–Levenshtein distance relative to the longer name, without regard to
-/// case, underscores and hyphens; a name that starts with the other one counts as near too.
+/// Similarity is the optimal string alignment distance (insertions, deletions, replacements and
+/// swaps of neighbours) relative to the longer name, without regard to case, underscores and
+/// hyphens; a name that holds the other one counts as near too.
 pub fn near_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     if name.len() > COMPARED_LENGTH {
         return Vec::new();
@@ -19,7 +23,7 @@ pub fn near_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>)
         .into_iter()
         .filter(|candidate| candidate.len() <= COMPARED_LENGTH)
         .map(|candidate| (similarity(&wanted, &plain(candidate)), candidate))
-        .filter(|(score, _)| *score >= 0.6)
+        .filter(|(score, _)| *score >= NEAR)
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
     scored.dedup_by_key(|(_, candidate)| *candidate);
@@ -37,10 +41,16 @@ fn plain(name: &str) -> String {
     name.chars().filter(|c| !matches!(c, '_' | '-')).flat_map(char::to_lowercase).collect()
 }
 
+/// From 0 to 1; what is below [`NEAR`] may come back as 0.
 fn similarity(a: &str, b: &str) -> f64 {
     let contained = a.len().min(b.len()) >= 3 && (a.contains(b) || b.contains(a));
-    let distance = strsim::normalized_damerau_levenshtein(a, b);
-    if contained { distance.max(0.7) } else { distance }
+    let (a_length, b_length) = (a.chars().count(), b.chars().count());
+    let longer = a_length.max(b_length).max(1) as f64;
+    // The distance is at least the difference of the lengths, which is quicker to know.
+    let bound = 1.0 - a_length.abs_diff(b_length) as f64 / longer;
+    let similarity =
+        if bound < NEAR { 0.0 } else { 1.0 - strsim::osa_distance(a, b) as f64 / longer };
+    if contained { similarity.max(0.7) } else { similarity }
 }
 
 #[cfg(test)]

@@ -5,6 +5,12 @@ use std::collections::BTreeMap;
 
 use etendue_document::near_names;
 
+/// The longest name in bytes that is looked for after a dollar sign.
+pub(crate) const NAME_LENGTH: usize = 64;
+
+/// Near names are sought among so many.
+const COMPARED_NAMES: usize = 1000;
+
 /// The values that `$name` stands for, in the order in which the scene states its defaults.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Defines {
@@ -95,15 +101,15 @@ impl Defines {
     fn lookup(&mut self, text: &str, dollar: usize) -> Result<(usize, &str), ExpansionError> {
         let rest = &text[dollar + 1..];
         let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-        let known = self.values.keys().filter(|name| !name.is_empty() && rest.starts_with(*name));
-        let Some(name) = known.max_by_key(|name| name.len()).cloned() else {
-            let names = self.values.keys().map(String::as_str);
+        let is_known =
+            |length: &usize| rest.get(..*length).is_some_and(|name| self.values.contains_key(name));
+        let Some(length) = (1..=rest.len().min(NAME_LENGTH)).rev().find(is_known) else {
+            let names = self.values.keys().map(String::as_str).take(COMPARED_NAMES);
             let near = near_names(&rest[..end], names).into_iter().map(str::to_owned).collect();
             let name = rest[..end].to_owned();
             return Err(ExpansionError::Undefined { name, offset: dollar, near });
         };
-        let length = name.len();
-        let define = self.values.get_mut(&name).ok_or(ExpansionError::Broken)?;
+        let define = self.values.get_mut(&rest[..length]).ok_or(ExpansionError::Broken)?;
         define.used = true;
         Ok((length, define.value.as_deref().ok_or(ExpansionError::Broken)?))
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use etendue_document::{Child, Class, Fault, NodeId, Parameter, Value};
 
+use crate::defines::NAME_LENGTH;
 use crate::element::Element;
 use crate::loader::{Loader, UNRESOLVED};
 use crate::resolve::Target;
@@ -17,6 +18,11 @@ pub(crate) fn default(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId)
     };
     if name.value.is_empty() {
         loader.diagnostics.error(Fault::BadValue, name.span, "a default needs a name");
+        return;
+    }
+    if name.value.len() > NAME_LENGTH {
+        let message = format!("a name has at most {NAME_LENGTH} bytes");
+        loader.diagnostics.error(Fault::Limit, name.span, message);
         return;
     }
     loader.defines.add_default(&name.value, value.map(|value| &*value.value));

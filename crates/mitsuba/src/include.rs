@@ -102,7 +102,7 @@ impl Loader<'_> {
             self.diagnostics.error(Fault::Limit, span, message);
             return None;
         }
-        match text::decode(&bytes) {
+        match text::decode(bytes) {
             Ok(text) => Some(self.add_source(name, text, path.parent())),
             Err(not_text) => {
                 let source = self.add_source(name, not_text.shown, path.parent());

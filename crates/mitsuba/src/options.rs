@@ -41,11 +41,11 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            total_bytes: 256 << 20,
+            total_bytes: 128 << 20,
             depth: 64,
             attributes: 64,
-            xml_nodes: 8_000_000,
-            nodes: 2_000_000,
+            xml_nodes: 4_000_000,
+            nodes: 1_000_000,
             include_depth: 16,
             includes: 10_000,
             expansion_bytes: 16 << 20,

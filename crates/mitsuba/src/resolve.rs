@@ -38,8 +38,10 @@ pub(crate) struct Reference {
     pub(crate) span: Span,
 }
 
-/// Near ids are sought for this many unknown ones: that costs time with the number of both.
+/// Near ids are sought for this many unknown ones, unless there are too many ids to compare
+/// with: that costs time with the number of both.
 const SUGGESTED: usize = 20;
+const COMPARED_IDS: usize = 200_000;
 
 /// Resolves every reference; afterwards the children form a graph without cycles, of bounded
 /// depth and size.
@@ -59,7 +61,8 @@ pub(crate) fn resolve(
             nodes[reference.parent.index()].children[reference.child].node = node;
         } else if !ids.contains_key(&reference.id) {
             unknown += 1;
-            report_unknown(reference, ids, unknown <= SUGGESTED, diagnostics);
+            let suggest = unknown <= SUGGESTED && ids.len() <= COMPARED_IDS;
+            report_unknown(reference, ids, suggest, diagnostics);
         }
     }
     remove_unresolved(nodes);
@@ -68,7 +71,7 @@ pub(crate) fn resolve(
 }
 
 /// An alias may stand for an alias, but hardly for a long line of them.
-const ALIAS_LIMIT: usize = 32;
+const ALIAS_LIMIT: usize = 8;
 
 /// The object that an id stands for at the end of its aliases, if there is one.
 fn follow(ids: &HashMap<String, Named>, id: &str) -> Option<NodeId> {
@@ -89,6 +92,9 @@ fn check_aliases(ids: &HashMap<String, Named>, diagnostics: &Diagnostics) {
         let Target::Alias(id) = &named.target else {
             continue;
         };
+        if diagnostics.is_full() {
+            return;
+        }
         let fault = match ids.get(id).map(|next| &next.target) {
             None => format!("there is no object with the id `{id}` for this alias"),
             Some(Target::Alias(_)) if follow(ids, id).is_none() => {
@@ -108,7 +114,7 @@ fn report_unknown(
 ) {
     let message = format!("there is no object with the id `{}`", reference.id);
     let mut diagnostic = Diagnostic::error(Fault::BadValue, reference.span, message);
-    let known = ids.keys().filter(|_| suggest).map(String::as_str);
+    let known = ids.keys().map(String::as_str).take(if suggest { ids.len() } else { 0 });
     let near = near_names(&reference.id, known);
     if !near.is_empty() {
         diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));

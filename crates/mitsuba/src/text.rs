@@ -12,8 +12,10 @@ pub(crate) struct NotText {
 }
 
 /// The text of a file, without a byte order mark.
-pub(crate) fn decode(bytes: &[u8]) -> Result<String, NotText> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+pub(crate) fn decode(mut bytes: Vec<u8>) -> Result<String, NotText> {
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
     let fail = |message: &str| {
         Err(NotText { message: message.to_owned(), offset: 0, shown: String::new() })
     };
@@ -26,7 +28,10 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<String, NotText> {
     if bytes.contains(&0) {
         return fail("this is a binary file, not XML");
     }
-    std::str::from_utf8(bytes).map(str::to_owned).map_err(|error| invalid_utf8(bytes, &error))
+    String::from_utf8(bytes).map_err(|error| {
+        let utf8_error = error.utf8_error();
+        invalid_utf8(error.as_bytes(), &utf8_error)
+    })
 }
 
 /// Points at the first byte that is not UTF-8, in the text before it.
@@ -44,18 +49,18 @@ mod tests {
 
     #[test]
     fn text_passes_with_and_without_a_mark() {
-        assert_eq!(decode(b"<scene/>").unwrap(), "<scene/>");
-        assert_eq!(decode(b"\xef\xbb\xbf<scene/>").unwrap(), "<scene/>");
+        assert_eq!(decode(b"<scene/>".to_vec()).unwrap(), "<scene/>");
+        assert_eq!(decode(b"\xef\xbb\xbf<scene/>".to_vec()).unwrap(), "<scene/>");
     }
 
     #[test]
     fn what_is_no_text_is_named() {
-        let message = |bytes: &[u8]| decode(bytes).unwrap_err().message;
+        let message = |bytes: &[u8]| decode(bytes.to_vec()).unwrap_err().message;
         assert_eq!(message(b""), "the file is empty");
         assert_eq!(message(b" \n\t"), "the file is empty");
         assert!(message(b"\xff\xfe<\0").contains("UTF-16"));
         assert!(message(b"<sc\0").contains("binary"));
-        let invalid = decode(b"<scene>\n <!-- caf\xe9 -->\n</scene>").unwrap_err();
+        let invalid = decode(b"<scene>\n <!-- caf\xe9 -->\n</scene>".to_vec()).unwrap_err();
         assert_eq!(invalid.offset, 17);
         assert!(invalid.message.contains("0xe9"));
         assert!(invalid.shown.starts_with("<scene>\n <!-- caf"));

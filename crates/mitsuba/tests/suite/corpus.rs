@@ -189,3 +189,14 @@ fn what_is_shown_for_each_case_holds_its_file_and_line() {
         }
     }
 }
+
+#[test]
+fn many_unknown_ids_among_many_known_ones_end_soon() {
+    let known: String = (0..20_000).map(|i| format!("<shape type='s' id='near{i}'/>")).collect();
+    let unknown = (0..20_000).map(|i| format!("<ref id='naer{i}'/>")).collect::<String>();
+    let text = format!("<scene version='3.0.0'>{known}{unknown}</scene>");
+    let start = Instant::now();
+    let (_, diagnostics) = findings("ids.xml", text.as_bytes());
+    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    assert_eq!(diagnostics.error_count(), 20_000);
+}
