@@ -187,12 +187,8 @@ const HIGH_QUALITY_EDGES: ParameterManual =
     parameter("high_quality_edges", "boolean", "false", "The old name of `sample_border`.");
 const BANNER: ParameterManual =
     parameter("banner", "boolean", "true", "Accepted and without effect: no banner is drawn.");
-const FILTER: ParameterManual = parameter(
-    "rfilter",
-    "rfilter",
-    "gaussian",
-    "The reconstruction filter, a nested plugin under any name.",
-);
+const FILTER: ParameterManual =
+    parameter("(nested)", "rfilter", "gaussian", "The reconstruction filter.");
 
 /// Reads what all films have in common.
 fn read_common(parameters: &Parameters<'_>) -> Option<FilmSpec> {
@@ -272,7 +268,8 @@ fn read_crop(parameters: &Parameters<'_>, names: [&str; 2], side: u32) -> Option
     let size = parameters.integer(size_name, i64::from(rest));
     if !(1..=i64::from(rest)).contains(&size) {
         let name = if parameters.has(size_name) { size_name } else { offset_name };
-        let message = format!("a crop of {size} pixels from {offset} does not fit a film of {side}");
+        let message =
+            format!("a crop of {size} pixels from {offset} does not fit a film of {side}");
         parameters.error(Fault::BadValue, name, message);
         return None;
     }

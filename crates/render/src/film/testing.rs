@@ -70,10 +70,7 @@ impl TestNode {
     }
 
     /// Builds something from the node. Every parameter must be read.
-    pub(crate) fn build<T>(
-        &self,
-        build: impl FnOnce(&mut Builder<'_>, &Parameters<'_>) -> T,
-    ) -> T {
+    pub(crate) fn build<T>(&self, build: impl FnOnce(&mut Builder<'_>, &Parameters<'_>) -> T) -> T {
         let assets = Assets::new(&self.document, &self.resources, &self.diagnostics, false);
         let options = BuildOptions::default();
         let mut builder = Builder::new(&assets, &options);

@@ -3,7 +3,6 @@
 use super::{Profile, ReconstructionFilter};
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
-use std::ops::Bound;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -31,8 +30,7 @@ impl Default for Gaussian {
 /// Reads the filter.
 #[must_use]
 pub fn build(parameters: &Parameters<'_>) -> Option<ReconstructionFilter> {
-    let most = super::MAX_RADIUS / f64::from(DEVIATIONS);
-    let range = (Bound::Excluded(0.0), Bound::Included(most));
+    let range = *super::RADII.start()..=*super::RADII.end() / f64::from(DEVIATIONS);
     let deviation = parameters.float_in("stddev", 0.5, range) as f32;
     Some(ReconstructionFilter::new(Gaussian { deviation }.into()))
 }

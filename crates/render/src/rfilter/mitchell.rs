@@ -48,7 +48,8 @@ impl Mitchell {
     pub(super) fn eval(self, distance: f32) -> f32 {
         let (x, b, c) = (distance, self.b, self.c);
         let cubic = if x < 1.0 {
-            (12.0 - 9.0 * b - 6.0 * c) * (x * x * x) + (-18.0 + 12.0 * b + 6.0 * c) * (x * x)
+            (12.0 - 9.0 * b - 6.0 * c) * (x * x * x)
+                + (-18.0 + 12.0 * b + 6.0 * c) * (x * x)
                 + (6.0 - 2.0 * b)
         } else {
             // As a polynomial of 2 − x, whose constant and linear terms vanish: no digits are lost

@@ -22,6 +22,7 @@ use crate::registry::{self, Plugin};
 use etendue_document::{Class, Parameters};
 use etendue_sampling::TabulatedFilter;
 use glam::Vec2;
+use std::ops::RangeInclusive;
 
 /// The two ways to a filter: from a node, and with all parameters at their defaults.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +51,8 @@ const fn plugin<P: Default + Into<Profile>>(
     Plugin { name, manual, build: Constructors { build, default } }
 }
 
-/// The widest filter that can be asked for, in pixels.
-const MAX_RADIUS: f64 = 64.0;
+/// How wide or narrow a filter can be asked for, in pixels.
+const RADII: RangeInclusive<f64> = 1e-3..=64.0;
 
 /// The filter inside a film: its `rfilter` child, or the default Gaussian.
 #[must_use]
@@ -198,10 +199,24 @@ mod tests {
         let expected: [(&str, [f32; 7]); 6] = [
             ("box", [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
             ("tent", [1.0, 0.7, 0.1, 0.0, 0.0, 0.0, 0.0]),
-            ("gaussian", [0.999_664_5, 0.834_934_7, 0.197_563_2, 0.033_711_97, 0.002_753_248, 0.0, 0.0]),
+            (
+                "gaussian",
+                [0.999_664_5, 0.834_934_7, 0.197_563_2, 0.033_711_97, 0.002_753_248, 0.0, 0.0],
+            ),
             ("mitchell", [0.888_888_9, 0.740_388_9, 0.119_388_9, -0.029_944_44, -0.0195, 0.0, 0.0]),
             ("catmullrom", [1.0, 0.8155, 0.0685, -0.0735, -0.0315, 0.0, 0.0]),
-            ("lanczos", [1.0, 0.844_343_1, 0.093_815_93, -0.142_330_1, -0.083_231_09, 0.024_317_07, 0.001_167_455]),
+            (
+                "lanczos",
+                [
+                    1.0,
+                    0.844_343_1,
+                    0.093_815_93,
+                    -0.142_330_1,
+                    -0.083_231_09,
+                    0.024_317_07,
+                    0.001_167_455,
+                ],
+            ),
         ];
         for (name, values) in expected {
             let filter = node(name).build_cleanly(|_, parameters| build(parameters));
@@ -209,7 +224,10 @@ mod tests {
             for (distance, value) in distances.into_iter().zip(values) {
                 for offset in [distance, -distance] {
                     let found = filter.eval(Vec2::new(offset, 0.0)) / peak;
-                    assert!((found - value).abs() < 1e-6, "{name} at {offset}: {found}, not {value}");
+                    assert!(
+                        (found - value).abs() < 1e-6,
+                        "{name} at {offset}: {found}, not {value}"
+                    );
                 }
             }
         }
@@ -249,7 +267,10 @@ mod tests {
                     .sum();
                 let found = sum / f64::from(count);
                 // The table is constant in each of its 1024 cells.
-                assert!((found - expected).abs() < 2e-4, "{name}, {index}: {found}, not {expected}");
+                assert!(
+                    (found - expected).abs() < 2e-4,
+                    "{name}, {index}: {found}, not {expected}"
+                );
             }
         }
     }
@@ -273,7 +294,8 @@ mod tests {
     #[test]
     fn the_ends_of_the_random_numbers_are_the_ends_of_the_filter() {
         for (name, filter) in default_filters() {
-            let (first, last) = (filter.sample(Vec2::ZERO), filter.sample(Vec2::splat(0.999_999_94)));
+            let (first, last) =
+                (filter.sample(Vec2::ZERO), filter.sample(Vec2::splat(0.999_999_94)));
             let radius = Vec2::splat(filter.radius());
             assert!((first.0 + radius).length() < 0.05 * radius.x, "{name}: {first:?}");
             assert!((last.0 - radius).length() < 0.05 * radius.x, "{name}: {last:?}");
@@ -294,16 +316,44 @@ mod tests {
 
     #[test]
     fn parameters_change_the_filter() {
-        let tent = node("tent").float("radius", 2.0).build_cleanly(|_, parameters| build(parameters));
+        let tent =
+            node("tent").float("radius", 2.0).build_cleanly(|_, parameters| build(parameters));
         assert_eq!((tent.radius(), tent.eval(Vec2::new(1.0, 0.0))), (2.0, 0.5));
-        let gaussian = node("gaussian").float("stddev", 0.8).build_cleanly(|_, parameters| build(parameters));
+        let gaussian =
+            node("gaussian").float("stddev", 0.8).build_cleanly(|_, parameters| build(parameters));
         assert!((gaussian.radius() - 3.2).abs() < 1e-6);
-        let mitchell = node("mitchell").float("B", 0.2).float("C", 0.6).build_cleanly(|_, parameters| build(parameters));
+        let mitchell = node("mitchell")
+            .float("B", 0.2)
+            .float("C", 0.6)
+            .build_cleanly(|_, parameters| build(parameters));
         let ratio = mitchell.eval(Vec2::new(1.3, 0.0)) / mitchell.eval(Vec2::ZERO);
         assert!((ratio - -0.076_766_84 / 0.933_333_3).abs() < 1e-6, "as in Mitsuba: {ratio}");
-        let lanczos = node("lanczos").integer("lobes", 2).build_cleanly(|_, parameters| build(parameters));
+        let lanczos =
+            node("lanczos").integer("lobes", 2).build_cleanly(|_, parameters| build(parameters));
         assert_eq!(lanczos.radius(), 2.0);
         assert!((lanczos.eval(Vec2::new(1.3, 0.0)) - -0.086_433_49).abs() < 1e-6);
+    }
+
+    #[test]
+    fn filters_at_the_ends_of_their_ranges_can_be_sampled() {
+        let cases = [
+            node("tent").float("radius", *RADII.start()),
+            node("tent").float("radius", *RADII.end()),
+            node("gaussian").float("stddev", *RADII.start()),
+            node("gaussian").float("stddev", *RADII.end() / 4.0),
+            node("mitchell").float("B", 0.0).float("C", 0.0),
+            node("mitchell").float("B", 0.0).float("C", 1.0),
+            node("mitchell").float("B", 1.0).float("C", 0.0),
+            node("mitchell").float("B", 1.0).float("C", 1.0),
+            node("lanczos").integer("lobes", 1),
+            node("lanczos").integer("lobes", 16),
+        ];
+        for node in cases {
+            let filter = node.build_cleanly(|_, parameters| build(parameters));
+            let (offset, weight) = filter.sample(Vec2::new(0.3, 0.9));
+            assert!(offset.abs().max_element() <= filter.radius(), "{filter:?}");
+            assert!(weight.abs() >= 1.0 - 1e-6 && weight.abs() < 10.0, "{weight}");
+        }
     }
 
     #[test]
@@ -311,6 +361,7 @@ mod tests {
         let cases = [
             ("tent", "radius", Value::Float(0.0)),
             ("tent", "radius", Value::Float(-1.0)),
+            ("tent", "radius", Value::Float(1e-60)),
             ("tent", "radius", Value::Float(1e30)),
             ("gaussian", "stddev", Value::Float(f64::NAN)),
             ("gaussian", "stddev", Value::Float(0.0)),
@@ -320,7 +371,8 @@ mod tests {
         ];
         for (plugin, name, value) in cases {
             let node = node(plugin).with(name, value);
-            let filter = node.build(|_, parameters| build(parameters)).expect("the default takes its place");
+            let filter =
+                node.build(|_, parameters| build(parameters)).expect("the default takes its place");
             assert!(filter.eval(Vec2::ZERO) > 0.0);
             let faults: Vec<Fault> = node.findings().iter().map(|found| found.fault).collect();
             assert_eq!(faults, [Fault::BadValue], "{plugin} {name}");

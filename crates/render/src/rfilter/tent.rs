@@ -3,7 +3,6 @@
 use super::{Profile, ReconstructionFilter};
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
-use std::ops::Bound;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -33,8 +32,7 @@ impl Default for Tent {
 /// Reads the filter.
 #[must_use]
 pub fn build(parameters: &Parameters<'_>) -> Option<ReconstructionFilter> {
-    let range = (Bound::Excluded(0.0), Bound::Included(super::MAX_RADIUS));
-    let radius = parameters.float_in("radius", 1.0, range) as f32;
+    let radius = parameters.float_in("radius", 1.0, super::RADII) as f32;
     Some(ReconstructionFilter::new(Tent { radius }.into()))
 }
 

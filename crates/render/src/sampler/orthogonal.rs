@@ -9,7 +9,17 @@ pub const MANUAL: Manual = Manual {
     summary: "Samples from orthogonal arrays (Jarosz et al., \"Orthogonal Array Sampling for \
               Monte Carlo Rendering\", 2019): stratified over pairs of dimensions that do not \
               lie side by side too. The count is rounded up to the square of a prime.",
-    parameters: &[super::SAMPLE_COUNT, super::SEED, super::JITTER, parameter("strength", "integer", "2", "Accepted; the strength is 2, with a warning where this is not.")],
+    parameters: &[
+        super::SAMPLE_COUNT,
+        super::SEED,
+        super::JITTER,
+        parameter(
+            "strength",
+            "integer",
+            "2",
+            "Accepted; the strength is 2, with a warning where this is not.",
+        ),
+    ],
     sample: r#"<sampler type="orthogonal"><integer name="sample_count" value="64"/></sampler>"#,
 };
 

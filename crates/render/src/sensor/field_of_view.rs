@@ -45,13 +45,19 @@ const AXES: [(&str, Axis); 5] = [
 
 /// The diagonal of 35 mm film, √(36² + 24²), in millimetres.
 const FILM_DIAGONAL: f64 = 43.266_615_305_567_87;
+/// A narrower view is below what single precision can tell apart.
+const MIN_DEGREES: f64 = 1e-5;
+/// The longest focal length, in millimetres: about the angle above.
+const MAX_FOCAL_LENGTH: f64 = 1e8;
+/// The shortest one: almost half of all directions.
+const MIN_FOCAL_LENGTH: f64 = 1e-5;
 /// Where neither angle nor length is given, in millimetres.
 const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
 
 /// Reads half the width and half the height of what a film of this aspect (width over height)
 /// covers at distance one; `None` after an error has been reported.
 pub(super) fn read_half_size(parameters: &Parameters<'_>, aspect: f64) -> Option<DVec2> {
-    let angle_range = (Bound::Excluded(0.0), Bound::Excluded(180.0));
+    let angle_range = (Bound::Included(MIN_DEGREES), Bound::Excluded(180.0));
     let axis = parameters.choice("fov_axis", Axis::X, &AXES);
     let both = (parameters.value("fov").is_some(), parameters.value("focal_length").is_some());
     let (tangent, axis) = match both {
@@ -93,7 +99,8 @@ fn read_focal_length(parameters: &Parameters<'_>) -> Option<f64> {
         Some((Value::Integer(number), _)) => Some(*number as f64),
         Some(_) => None,
     };
-    let valid = millimetres.filter(|length: &f64| length.is_finite() && *length > 0.0);
+    let range = MIN_FOCAL_LENGTH..=MAX_FOCAL_LENGTH;
+    let valid = millimetres.filter(|length| range.contains(length));
     if valid.is_none() {
         let message = "a focal length is a positive number of millimetres, such as `50mm`";
         parameters.error(Fault::BadValue, "focal_length", message);
@@ -151,8 +158,9 @@ mod tests {
 
     #[test]
     fn hostile_values_are_errors() {
-        let angles = [0.0, 180.0, -40.0, f64::NAN, f64::INFINITY].map(|fov| node().float("fov", fov));
-        let lengths = ["0mm", "-5mm", "abc", "", "nan", "infmm", "0.05m"]
+        let angles = [0.0, 1e-300, 180.0, -40.0, f64::NAN, f64::INFINITY]
+            .map(|fov| node().float("fov", fov));
+        let lengths = ["0mm", "-5mm", "abc", "", "nan", "infmm", "0.05m", "1e300mm"]
             .map(|length| node().string("focal_length", length));
         let others = [
             node().float("fov", 40.0).string("focal_length", "50mm"),

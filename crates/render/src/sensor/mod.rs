@@ -117,10 +117,13 @@ const SHUTTER_OPEN: ParameterManual =
     parameter("shutter_open", "float", "0", "When the shutter opens. Nothing moves yet.");
 const SHUTTER_CLOSE: ParameterManual =
     parameter("shutter_close", "float", "0", "When the shutter closes.");
-const FILM: ParameterManual = parameter("film", "film", "hdrfilm", "The film, a nested plugin.");
+const FILM: ParameterManual =
+    parameter("(nested)", "film", "hdrfilm", "What the picture is kept on.");
 const SAMPLER: ParameterManual =
-    parameter("sampler", "sampler", "independent", "The sampler, a nested plugin.");
+    parameter("(nested)", "sampler", "independent", "Where random numbers come from.");
 
+/// The greatest distance or time, far enough from the end of single precision for squares.
+const MAX_VALUE: f64 = 1e18;
 /// Unequal scales that come from rounding are below this.
 const UNEQUAL_SCALE: f64 = 1e-3;
 
@@ -130,10 +133,10 @@ impl SensorCommon {
         let to_world = read_transform(parameters, "to_world");
         let common = Self {
             to_world: to_world.unwrap_or_default(),
-            near_clip: parameters.float_in("near_clip", 0.01, 0.0..) as f32,
-            far_clip: parameters.float_in("far_clip", 1e4, 0.0..) as f32,
-            shutter_open: parameters.float_in("shutter_open", 0.0, ..) as f32,
-            shutter_close: parameters.float_in("shutter_close", 0.0, ..) as f32,
+            near_clip: parameters.float_in("near_clip", 0.01, 0.0..=MAX_VALUE) as f32,
+            far_clip: parameters.float_in("far_clip", 1e4, 0.0..=MAX_VALUE) as f32,
+            shutter_open: parameters.float_in("shutter_open", 0.0, -MAX_VALUE..=MAX_VALUE) as f32,
+            shutter_close: parameters.float_in("shutter_close", 0.0, -MAX_VALUE..=MAX_VALUE) as f32,
         };
         if common.near_clip >= common.far_clip {
             let message = format!(

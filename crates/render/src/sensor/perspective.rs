@@ -51,6 +51,9 @@ pub const MANUAL: Manual = Manual {
 </sensor>"#,
 };
 
+/// The most sizes of the film by which the view can be moved.
+const MAX_SHIFT: f64 = 1e3;
+
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Perspective {
@@ -70,8 +73,8 @@ pub fn build(
     let common = SensorCommon::read(parameters);
     let half_size = read_half_size(parameters, film.aspect());
     let shift = DVec2::new(
-        parameters.float_in("principal_point_offset_x", 0.0, ..),
-        parameters.float_in("principal_point_offset_y", 0.0, ..),
+        parameters.float_in("principal_point_offset_x", 0.0, -MAX_SHIFT..=MAX_SHIFT),
+        parameters.float_in("principal_point_offset_y", 0.0, -MAX_SHIFT..=MAX_SHIFT),
     );
     let (common, half_size) = (common?, half_size?);
     common.warn_of_unequal_scale(parameters);

@@ -4,7 +4,7 @@ use super::{Sensor, orthographic, perspective, thinlens};
 use crate::film::FilmSpec;
 use crate::film::testing::TestNode;
 use etendue_document::{Class, Diagnostic, Fault, Severity, Value};
-use glam::{DMat4, DVec3, UVec2, Vec2, Vec3};
+use glam::{DMat4, DVec3, UVec2, Vec2, Vec2Swizzles, Vec3};
 
 const MITSUBA_RAYS: &str = include_str!("mitsuba_rays.txt");
 
@@ -186,9 +186,8 @@ fn hostile_values_are_errors() {
         ("perspective", node("perspective", DVec3::splat(f64::NAN))),
         ("perspective", unit("perspective").float("principal_point_offset_x", f64::INFINITY)),
         ("thinlens", unit("thinlens").float("aperture_radius", -0.1)),
-        ("thinlens", {
-            unit("thinlens").float("aperture_radius", 0.1).float("focus_distance", 0.0)
-        }),
+        ("thinlens", unit("thinlens").float("aperture_radius", 0.1).float("focus_distance", 0.0)),
+        ("thinlens", unit("thinlens").float("aperture_radius", 0.1).float("focus_distance", 1e-60)),
     ];
     for (plugin, node) in cases {
         let found = findings(&node, plugin);
@@ -196,6 +195,36 @@ fn hostile_values_are_errors() {
     }
     let missing = findings(&unit("thinlens"), "thinlens");
     assert_eq!(missing, [(Severity::Error, Fault::MissingParameter)]);
+}
+
+#[test]
+fn the_ends_of_all_ranges_give_rays_of_unit_direction() {
+    let extremes = |plugin: &str, large: f64| match plugin {
+        "thinlens" if large > 1.0 => node(plugin, DVec3::splat(1e12))
+            .float("aperture_radius", 1e18)
+            .float("focus_distance", 1e12)
+            .float("far_clip", 1e18)
+            .float("fov", 179.999_999),
+        "thinlens" => node(plugin, DVec3::splat(1e-12))
+            .float("aperture_radius", 1e-60)
+            .float("focus_distance", 1e-66)
+            .float("near_clip", 0.0)
+            .float("fov", 1e-5),
+        _ if large > 1.0 => node(plugin, DVec3::splat(1e12)).float("far_clip", 1e18),
+        _ => node(plugin, DVec3::splat(1e-12)).float("near_clip", 0.0).float("far_clip", 1e-30),
+    };
+    for (plugin, large) in ["perspective", "thinlens", "orthographic"]
+        .into_iter()
+        .flat_map(|plugin| [(plugin, 2.0), (plugin, 0.5)])
+    {
+        let node = extremes(plugin, large);
+        let sensor = build(&node, plugin, UVec2::new(100_000, 1)).expect("values within range");
+        for place in [Vec2::ZERO, Vec2::splat(0.5), Vec2::ONE] {
+            let ray = sensor.sample_ray(place, place.yx()).ray;
+            assert!((ray.direction.length() - 1.0).abs() < 1e-5, "{plugin}: {ray:?}");
+            assert!(ray.origin.is_finite() && ray.t_max > 0.0, "{plugin}: {ray:?}");
+        }
+    }
 }
 
 #[test]

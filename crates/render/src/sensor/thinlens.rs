@@ -3,7 +3,8 @@
 use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use super::plane::{ImagePlane, View};
 use super::{
-    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, TO_WORLD,
+    FAR_CLIP, FILM, MAX_VALUE, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon,
+    TO_WORLD,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
@@ -51,6 +52,9 @@ pub const MANUAL: Manual = Manual {
 </sensor>"#,
 };
 
+/// The greatest ratio of the aperture's radius to the focus distance.
+const MAX_RATIO: f64 = 1e6;
+
 /// A camera with a thin lens.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinLens {
@@ -59,8 +63,8 @@ pub struct ThinLens {
     centre: Vec3,
     /// The aperture's two half axes in world space.
     aperture: [Vec3; 2],
-    /// The distance in focus, in world units along the view.
-    focus_distance: f32,
+    /// By how much they turn a ray of length one along the view towards the focus.
+    tilt: [Vec3; 2],
     plane: ImagePlane,
 }
 
@@ -73,14 +77,19 @@ pub fn build(
 ) -> Option<ThinLens> {
     let common = SensorCommon::read(parameters);
     let half_size = read_half_size(parameters, film.aspect());
-    let radius = parameters.float_in("aperture_radius", 0.0, 0.0..);
+    let radius = parameters.float_in("aperture_radius", 0.0, 0.0..=MAX_VALUE);
     if !parameters.has("aperture_radius") {
         let message = "`thinlens` needs the parameter `aperture_radius`";
         parameters.error(Fault::MissingParameter, "aperture_radius", message);
     }
     let far = common.map_or(1.0, |common| f64::from(common.far_clip));
-    let range = (Bound::Excluded(0.0), Bound::Unbounded);
+    let range = (Bound::Excluded(0.0), Bound::Included(MAX_VALUE));
     let focus_distance = parameters.float_in("focus_distance", far, range);
+    if radius > MAX_RATIO * focus_distance {
+        let message = "the focus lies within the aperture, for all that numbers can tell";
+        parameters.error(Fault::BadValue, "focus_distance", message);
+        return None;
+    }
     let (common, half_size) = (common?, half_size?);
     common.warn_of_unequal_scale(parameters);
     let view = View { half_size, shift: DVec2::ZERO };
@@ -96,12 +105,14 @@ struct Lens {
 impl ThinLens {
     fn new(common: SensorCommon, view: View, lens: Lens) -> Self {
         let matrix = common.matrix();
+        let half_axes = [DVec3::X, DVec3::Y].map(|axis| matrix * axis * lens.radius);
+        let focus_distance = lens.focus_distance * matrix.z_axis.length();
         Self {
             common,
             view,
             centre: common.to_world.point(Vec3::ZERO),
-            aperture: [DVec3::X, DVec3::Y].map(|axis| (matrix * axis * lens.radius).as_vec3()),
-            focus_distance: (lens.focus_distance * matrix.z_axis.length()) as f32,
+            aperture: half_axes.map(|axis| axis.as_vec3()),
+            tilt: half_axes.map(|axis| (axis / focus_distance).as_vec3()),
             plane: ImagePlane::new(&view, &common),
         }
     }
@@ -111,7 +122,8 @@ impl ThinLens {
         let point = warp::concentric_disk::sample(aperture);
         let from_centre = self.aperture[0] * point.x + self.aperture[1] * point.y;
         // Every ray of a film position meets the pinhole's ray at the focus distance.
-        let direction = self.plane.direction(film_position) - from_centre / self.focus_distance;
+        let tilt = self.tilt[0] * point.x + self.tilt[1] * point.y;
+        let direction = self.plane.direction(film_position) - tilt;
         let length = direction.length();
         Ray::segment(
             self.centre + from_centre + direction * self.plane.near,

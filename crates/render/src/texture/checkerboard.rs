@@ -70,6 +70,10 @@ fn square(uv: Vec2) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::testing::TestNode;
+    use etendue_document::{Class, Value};
+    use etendue_math::Frame;
+    use glam::{DMat4, DVec3, Vec3};
 
     /// Read from Mitsuba 3.9.1.
     #[test]
@@ -96,5 +100,21 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX] {
             assert!(square(Vec2::new(bad, 0.2)) < 2);
         }
+    }
+
+    #[test]
+    fn colours_are_read_and_repeated_by_the_transform() {
+        let scale = DMat4::from_scale(DVec3::new(2.0, 4.0, 1.0));
+        let node = TestNode::new(Class::Texture, "checkerboard").float("color0", 0.9);
+        let node = node.with("to_uv", Value::Transform(scale));
+        let texture = node.build_cleanly(build);
+        let none = Textures(&[]);
+        let at = |u, v| {
+            let frame = Frame::from_normal(Vec3::Z);
+            texture.eval(none, &SurfaceInteraction::at_uv(Vec2::new(u, v), frame)).rgb()
+        };
+        assert_eq!((at(0.1, 0.1), at(0.1, 0.2)), ([0.2; 3], [0.9; 3]), "as in Mitsuba");
+        assert_eq!((at(0.25, 0.25), at(0.3, 0.25)), ([0.2; 3], [0.9; 3]));
+        assert!((texture.mean(none).luminance() - 0.55).abs() < 1e-6);
     }
 }

@@ -75,7 +75,10 @@ fn gradients_are_the_slopes_of_the_values() {
             if let (Some(u), Some(v)) = (slope(Vec2::X), slope(Vec2::Y)) {
                 let found = texture.gradient(uv);
                 // Values have 24 bits, and the step ten less.
-                assert!((found - Vec2::new(u, v)).length() < 2e-3, "{wrap:?} {uv}: {found}, {u} {v}");
+                assert!(
+                    (found - Vec2::new(u, v)).length() < 2e-3,
+                    "{wrap:?} {uv}: {found}, {u} {v}"
+                );
                 compared += 1;
             }
         }
@@ -92,7 +95,8 @@ fn single(samples: Samples, channels: u32, options: &BitmapOptions) -> Option<Bi
 #[test]
 fn precisions_and_encodings_agree() {
     let centre = Vec2::splat(0.3);
-    let (encoded, raw) = (BitmapOptions::default(), BitmapOptions { raw: true, ..Default::default() });
+    let (encoded, raw) =
+        (BitmapOptions::default(), BitmapOptions { raw: true, ..Default::default() });
     let eight = || Samples::U8(vec![0, 51, 255]);
     let sixteen = || Samples::U16(vec![0, 51 * 257, 65535]);
     let float = || Samples::F32(vec![0.0, 0.2, 1.0]);
@@ -149,7 +153,8 @@ fn the_mean_and_the_texels_are_those_of_the_picture() {
 
 #[test]
 fn no_coordinate_leaves_the_picture() {
-    let values = [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, -1e-9, 1e-40, 1.0, 16_777_217.0];
+    let values =
+        [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, -1e-9, 1e-40, 1.0, 16_777_217.0];
     for wrap in [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp] {
         for filter in [FilterMode::Bilinear, FilterMode::Nearest] {
             let options = BitmapOptions { filter, wrap, ..BitmapOptions::default() };
@@ -158,7 +163,10 @@ fn no_coordinate_leaves_the_picture() {
                 // It is enough that none of these panics.
                 let color = texture.eval(uv);
                 let _ = (texture.eval_scalar(uv), texture.gradient(uv));
-                assert!(!uv.is_finite() || color.is_finite(), "{wrap:?} {filter:?} {uv}: {color:?}");
+                assert!(
+                    !uv.is_finite() || color.is_finite(),
+                    "{wrap:?} {filter:?} {uv}: {color:?}"
+                );
             }
         }
     }
@@ -206,9 +214,12 @@ fn what_is_wrong_with_a_file_is_told_by_fault() {
         (node().string("filename", "cut.png"), Fault::Syntax),
         (node().string("filename", "text.png"), Fault::Unsupported),
         (node().string("filename", "picture.png").string("channel", "a"), Fault::BadValue),
-        (node().string("filename", "picture.png").with("to_uv", {
-            Value::Transform(DMat4::from_scale(DVec3::splat(f64::NAN)))
-        }), Fault::BadValue),
+        (
+            node()
+                .string("filename", "picture.png")
+                .with("to_uv", Value::Transform(DMat4::from_scale(DVec3::splat(f64::NAN)))),
+            Fault::BadValue,
+        ),
     ];
     for (node, expected) in cases {
         assert!(node.build(build).is_none());
