@@ -172,7 +172,8 @@ impl Microfacets {
         MicrofacetReflection { value, pdf }
     }
 
-    /// Chooses a microfacet normal.
+    /// Chooses a microfacet normal. For an isotropic surface, `uniform.y` and 1 − `uniform.y` give
+    /// mirror images about the plane of incidence.
     #[inline]
     #[must_use]
     pub fn sample(&self, wi: Vec3, uniform: Vec2) -> Vec3 {
@@ -200,9 +201,9 @@ impl Microfacets {
     fn sample_visible_ggx(&self, wi: Vec3, uniform: Vec2) -> Vec3 {
         let standard = (wi.truncate() * self.alpha).extend(wi.z).normalize();
         // The height of the cap's point above −standard.z; kept, as the sum with it loses digits.
-        let height = (1.0 - uniform.y) * (1.0 + standard.z);
+        let height = (1.0 - uniform.x) * (1.0 + standard.z);
         let z = height - standard.z;
-        let disk = Vec2::from_angle(TAU * uniform.x) * safe_sqrt(1.0 - z * z);
+        let disk = Vec2::from_angle(TAU * uniform.y) * safe_sqrt(1.0 - z * z);
         let half = disk + standard.truncate();
         (half * self.alpha).extend(height).normalize()
     }

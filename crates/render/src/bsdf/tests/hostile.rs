@@ -1,0 +1,116 @@
+//! Numbers at the edges: nothing may come out infinite, negative or NaN.
+
+use super::{CONFIGURATIONS, incident};
+use crate::bsdf::testing::TestMaterial;
+use crate::bsdf::{Bsdf, Transport};
+use etendue_spectrum::Spectrum;
+use etendue_testkit::TestRng;
+use glam::{Vec2, Vec3};
+
+/// Surfaces so smooth, so rough or so strange that their formulas lose digits.
+#[rustfmt::skip]
+const EXTREMES: &[&str] = &[
+    r#"<bsdf type="roughconductor"><float name="alpha" value="0"/></bsdf>"#,
+    r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><string name="material" value="Au"/></bsdf>"#,
+    r#"<bsdf type="roughconductor"><float name="alpha" value="10000"/></bsdf>"#,
+    r#"<bsdf type="roughconductor"><float name="alpha_u" value="0"/><float name="alpha_v" value="5"/><string name="distribution" value="ggx"/></bsdf>"#,
+    r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/><float name="eta" value="0"/><float name="k" value="0"/></bsdf>"#,
+    r#"<bsdf type="roughconductor"><float name="alpha" value="100"/><string name="distribution" value="ggx"/><float name="eta" value="1e30"/><float name="k" value="1e30"/></bsdf>"#,
+    r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><boolean name="sample_visible" value="false"/><float name="eta" value="1"/><float name="k" value="0"/></bsdf>"#,
+    r#"<bsdf type="roughdielectric"><float name="alpha" value="0"/></bsdf>"#,
+    r#"<bsdf type="roughdielectric"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/></bsdf>"#,
+    r#"<bsdf type="roughdielectric"><float name="alpha" value="0.5"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
+    r#"<bsdf type="roughdielectric"><float name="alpha" value="0.001"/><float name="int_ior" value="1.0001"/><float name="ext_ior" value="1"/><string name="distribution" value="ggx"/></bsdf>"#,
+    r#"<bsdf type="roughdielectric"><float name="alpha" value="3"/><float name="int_ior" value="1000"/><boolean name="sample_visible" value="false"/></bsdf>"#,
+    r#"<bsdf type="roughplastic"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/></bsdf>"#,
+    r#"<bsdf type="roughplastic"><float name="alpha" value="0"/><float name="int_ior" value="100"/><float name="diffuse_reflectance" value="1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+    r#"<bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/><float name="diffuse_reflectance" value="0"/></bsdf>"#,
+    r#"<bsdf type="plastic"><float name="int_ior" value="0.5"/><float name="diffuse_reflectance" value="1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+    r#"<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
+    r#"<bsdf type="thindielectric"><float name="int_ior" value="1000"/></bsdf>"#,
+    r#"<bsdf type="roughdiffuse"><float name="alpha" value="10000"/></bsdf>"#,
+    r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.5, 0.5, 0.5"/><bsdf type="roughplastic"/></bsdf>"#,
+    r#"<bsdf type="normalmap"><rgb name="normalmap" value="1, 0.5, 0.5"/><bsdf type="roughdielectric"/></bsdf>"#,
+    r#"<bsdf type="normalmap"><rgb name="normalmap" value="1, 0, 0"/><bsdf type="twosided"><bsdf type="roughconductor"/></bsdf></bsdf>"#,
+];
+
+/// Directions anywhere, and nearly or exactly along and across the surface.
+fn direction(random: &mut TestRng) -> Vec3 {
+    let tangent = Vec2::from_angle(random.range_f32(0.0, 6.4));
+    let side = if random.below(2) == 0 { 1.0 } else { -1.0 };
+    let small = [0.0, 1e-45, 1e-38, 1e-20, 1e-10, 1e-7, 1e-4, 1e-2][random.below(8) as usize];
+    match random.below(4) {
+        0 => tangent.extend(side * small).normalize(),
+        1 => (tangent * small).extend(side).normalize(),
+        2 => Vec3::Z * side,
+        _ => random.unit_vector(),
+    }
+}
+
+/// Uniform numbers, often the first or the last of their range.
+fn uniform(random: &mut TestRng) -> f32 {
+    match random.below(8) {
+        0 => 0.0,
+        1 => 1.0 - f32::EPSILON / 2.0,
+        2 => 0.5,
+        _ => random.next_f32(),
+    }
+}
+
+fn sound(value: Spectrum, pdf: f32) -> bool {
+    value.is_finite() && !value.has_negative() && pdf.is_finite() && pdf >= 0.0
+}
+
+fn check(xml: &str, bsdf: &Bsdf<'_>, wi: Vec3, random: &mut TestRng) {
+    for transport in [Transport::Radiance, Transport::Importance] {
+        let wo = direction(random);
+        let (value, pdf) = bsdf.eval_pdf(wi, wo, transport);
+        assert!(sound(value, pdf), "{xml}: {wi:?} {wo:?} {value:?} {pdf}");
+        let (lobe, point) = (uniform(random), Vec2::new(uniform(random), uniform(random)));
+        let Some(sample) = bsdf.sample(wi, lobe, point, transport) else { continue };
+        let good = sound(sample.weight, sample.pdf)
+            && sample.pdf > 0.0
+            && (sample.wo.length() - 1.0).abs() < 1e-4
+            && sample.eta.is_finite();
+        assert!(good, "{xml}: {wi:?} {lobe} {point} {sample:?}");
+        // The next line of a path: what was sampled is evaluated from the other end.
+        let (value, pdf) = bsdf.eval_pdf(wi, sample.wo, transport);
+        assert!(sound(value, pdf), "{xml}: {wi:?} {sample:?} {value:?} {pdf}");
+    }
+    assert!(sound(bsdf.albedo(wi), 0.0), "{xml}: {wi:?} {:?}", bsdf.albedo(wi));
+    let normal = bsdf.normal(wi);
+    assert!((normal.length() - 1.0).abs() < 1e-4, "{xml}: {normal}");
+}
+
+#[test]
+fn extreme_directions_and_parameters_stay_finite() {
+    let mut random = TestRng::new(5);
+    let usual = CONFIGURATIONS.iter().map(|configuration| configuration.xml);
+    for xml in usual.chain(EXTREMES.iter().copied()) {
+        let material = TestMaterial::read(xml);
+        for _ in 0..20_000 {
+            let wi = direction(&mut random);
+            check(xml, &material.bsdf(wi), wi, &mut random);
+        }
+    }
+}
+
+#[test]
+fn nearly_smooth_surfaces_reflect_as_smooth_ones() {
+    let rough = TestMaterial::read(
+        r#"<bsdf type="roughdielectric"><float name="alpha" value="0.0001"/></bsdf>"#,
+    );
+    let smooth = TestMaterial::read(r#"<bsdf type="dielectric"/>"#);
+    let mut random = TestRng::new(6);
+    for wi in incident() {
+        for _ in 0..100 {
+            let (lobe, point) = (random.next_f32(), random.next_vec2());
+            let [rough, smooth] = [&rough, &smooth].map(|material| {
+                material.bsdf(wi).sample(wi, lobe, point, Transport::Radiance).expect("a sample")
+            });
+            assert_eq!(rough.eta, smooth.eta);
+            assert!((rough.wo - smooth.wo).length() < 0.02, "{wi}: {rough:?} {smooth:?}");
+            assert!((rough.weight - smooth.weight).abs().max_component() < 0.01);
+        }
+    }
+}
