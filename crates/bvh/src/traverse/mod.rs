@@ -14,6 +14,7 @@ use etendue_math::Ray;
 pub(crate) const STACK_SIZE: usize = crate::build::MAX_DEPTH * (crate::node::WIDTH - 1) + 8;
 
 /// The nearest hit. `instance` is what hits carry as such.
+#[inline]
 pub(crate) fn intersect<P: Primitives>(
     bvh: &Bvh,
     ray: &Ray,
@@ -24,18 +25,35 @@ pub(crate) fn intersect<P: Primitives>(
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
         Tier::Avx2 => unsafe { intersect_avx2(bvh, ray, primitives, instance) },
-        _ => closest::closest::<Portable, P>(bvh, ray, primitives, instance),
+        _ => intersect_portable(bvh, ray, primitives, instance),
     }
 }
 
 /// Whether there is any hit.
+#[inline]
 pub(crate) fn occluded<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
     match bvh.tier() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
         Tier::Avx2 => unsafe { occluded_avx2(bvh, ray, primitives, instance) },
-        _ => any::any::<Portable, P>(bvh, ray, primitives, instance),
+        _ => occluded_portable(bvh, ray, primitives, instance),
     }
+}
+
+// Out of line, so that the choice of the tier is a jump and not a frame of its own.
+#[inline(never)]
+fn intersect_portable<P: Primitives>(
+    bvh: &Bvh,
+    ray: &Ray,
+    primitives: &P,
+    instance: u32,
+) -> Option<Hit> {
+    closest::closest::<Portable, P>(bvh, ray, primitives, instance)
+}
+
+#[inline(never)]
+fn occluded_portable<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
+    any::any::<Portable, P>(bvh, ray, primitives, instance)
 }
 
 #[cfg(target_arch = "x86_64")]

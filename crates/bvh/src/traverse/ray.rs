@@ -13,7 +13,8 @@ pub(crate) struct RayConstants {
     pub(crate) origin: [f32; 3],
     /// The direction's slope along the minor axes, then one over its greatest component.
     pub(crate) shear: [f32; 3],
-    /// The two minor axes, then that of the direction's greatest component.
+    /// The two minor axes, then that of the direction's greatest component, as distances in bytes
+    /// between the coordinates of a vertex.
     axes: [usize; 3],
     /// One over the direction, whose components are held off zero.
     inverse: Vec3A,
@@ -31,7 +32,7 @@ struct AxisConstants<S: Simd> {
     inverse: S::Vector,
     near_offset: S::Vector,
     far_offset: S::Vector,
-    /// Which of a node's six planes is met first, and which then.
+    /// The distances in bytes, from the first of a node's six planes, of those met first and last.
     near_plane: usize,
     far_plane: usize,
 }
@@ -57,13 +58,14 @@ impl RayConstants {
         let axes = AXES[at_greatest & 7];
         let held = size.max(Vec3A::splat(greatest * LEAST_DIRECTION));
         let inverse = Vec3A::ONE / held.copysign(direction);
-        let pick = |vector: [f32; 3], place: usize| vector[axes[place]];
-        let (place, slope) = (origin.to_array(), direction.to_array());
-        let inverse_z = pick(inverse.to_array(), 2);
+        let [x, y, z] = axes;
+        let (place, slope, inverses) =
+            (origin.to_array(), direction.to_array(), inverse.to_array());
+        let inverse_z = inverses[z];
         Some(Self {
-            origin: [pick(place, 0), pick(place, 1), pick(place, 2)],
-            shear: [pick(slope, 0) * inverse_z, pick(slope, 1) * inverse_z, inverse_z],
-            axes,
+            origin: [place[x], place[y], place[z]],
+            shear: [slope[x] * inverse_z, slope[y] * inverse_z, inverse_z],
+            axes: axes.map(|axis| axis * size_of::<Lanes>()),
             inverse,
         })
     }
@@ -76,8 +78,9 @@ impl RayConstants {
         vertex: usize,
         axis: usize,
     ) -> &'a Lanes {
-        // SAFETY: `axes` is a permutation of 0, 1, 2.
-        unsafe { block.vertices[vertex].get_unchecked(self.axes[axis]) }
+        let coordinates = block.vertices[vertex].as_ptr().cast::<u8>();
+        // SAFETY: `axes` holds 0, 1 and 2 times the size of `Lanes`, in some order.
+        unsafe { &*coordinates.add(self.axes[axis]).cast::<Lanes>() }
     }
 }
 
@@ -96,6 +99,23 @@ static AXES: [[usize; 3]; 8] = {
     [Z, X, Y, X, Z, X, Y, X]
 };
 
+/// For each set of negative directions, the distances of the near and far planes of the axes.
+static PLANES: [[usize; 6]; 8] = {
+    let mut planes = [[0; 6]; 8];
+    let mut signs = 0;
+    while signs < 8 {
+        let mut axis = 0;
+        while axis < 3 {
+            let side = signs >> axis & 1;
+            planes[signs][2 * axis] = (2 * axis + side) * size_of::<Lanes>();
+            planes[signs][2 * axis + 1] = (2 * axis + 1 - side) * size_of::<Lanes>();
+            axis += 1;
+        }
+        signs += 1;
+    }
+    planes
+};
+
 impl<S: Simd> BoxConstants<S> {
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, constants: &RayConstants) -> Self {
@@ -104,11 +124,12 @@ impl<S: Simd> BoxConstants<S> {
         let offset = -origin * constants.inverse;
         let padding = padding * constants.inverse.abs();
         let (near, far) = (offset - padding, offset + padding);
-        let signs = constants.inverse.is_negative_bitmask() as usize;
+        let planes = &PLANES[constants.inverse.is_negative_bitmask() as usize & 7];
+        let [x, y, z] = constants.inverse.to_array();
         Self {
-            x: AxisConstants::new((0, signs & 1), constants.inverse.x, near.x, far.x),
-            y: AxisConstants::new((2, signs >> 1 & 1), constants.inverse.y, near.y, far.y),
-            z: AxisConstants::new((4, signs >> 2 & 1), constants.inverse.z, near.z, far.z),
+            x: AxisConstants::new([planes[0], planes[1]], x, near.x, far.x),
+            y: AxisConstants::new([planes[2], planes[3]], y, near.y, far.y),
+            z: AxisConstants::new([planes[4], planes[5]], z, near.z, far.z),
         }
     }
 
@@ -130,31 +151,30 @@ impl<S: Simd> BoxConstants<S> {
 impl<S: Simd> AxisConstants<S> {
     #[inline(always)]
     fn new(
-        (least_plane, side): (usize, usize),
+        [near_plane, far_plane]: [usize; 2],
         inverse: f32,
         near_offset: f32,
         far_offset: f32,
     ) -> Self {
-        let near_plane = (least_plane + side) * size_of::<Lanes>();
         Self {
             inverse: S::splat(inverse),
             near_offset: S::splat(near_offset),
             far_offset: S::splat(far_offset),
             near_plane,
-            far_plane: near_plane ^ size_of::<Lanes>(),
+            far_plane,
         }
     }
 
     #[inline(always)]
     fn near(&self, node: &Node) -> S::Vector {
-        // SAFETY: `new` was given 0, 2 or 4, so this is one of the six planes.
+        // SAFETY: `PLANES` holds distances of the six planes.
         let plane = unsafe { plane_at(node, self.near_plane) };
         S::multiply_add(S::load(plane), self.inverse, self.near_offset)
     }
 
     #[inline(always)]
     fn far(&self, node: &Node) -> S::Vector {
-        // SAFETY: `new` was given 0, 2 or 4, so this is one of the six planes.
+        // SAFETY: `PLANES` holds distances of the six planes.
         let plane = unsafe { plane_at(node, self.far_plane) };
         S::multiply_add(S::load(plane), self.inverse, self.far_offset)
     }
