@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use etendue::{Region, SampleId};
+
 /// `WIDTHxHEIGHT` in pixels.
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']).and_then(|(width, height)| {
@@ -14,10 +16,12 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// `X,Y,WIDTH,HEIGHT` in pixels.
-pub(crate) fn crop(text: &str) -> Result<[u32; 4], String> {
+pub(crate) fn crop(text: &str) -> Result<Region, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    let numbers = numbers.and_then(|numbers| <[u32; 4]>::try_from(numbers).ok());
-    numbers.ok_or_else(|| "expected X,Y,WIDTH,HEIGHT, such as 100,50,64,64".into())
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) => Ok(Region { x, y, width, height }),
+        _ => Err("expected X,Y,WIDTH,HEIGHT, such as 100,50,64,64".into()),
+    }
 }
 
 /// `NAME=VALUE`.
@@ -86,10 +90,10 @@ pub(crate) fn variance_file(text: &str) -> Result<VarianceFile, String> {
 }
 
 /// `X,Y,INDEX`: a pixel of the film, and which of its samples.
-pub(crate) fn sample_id(text: &str) -> Result<etendue::SampleId, String> {
+pub(crate) fn sample_id(text: &str) -> Result<SampleId, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match numbers.as_deref() {
-        Some(&[x, y, index]) => Ok(etendue::SampleId { index, y, x }),
+        Some(&[x, y, index]) => Ok(SampleId { index, y, x }),
         _ => Err("expected X,Y,INDEX, such as 100,50,3".into()),
     }
 }
@@ -104,7 +108,7 @@ mod tests {
         for wrong in ["640", "x", "0x5", "-1x5", "1x2x3", "1e3x5", "99999999999x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(crop("1, 2,3,4"), Ok([1, 2, 3, 4]));
+        assert_eq!(crop("1, 2,3,4"), Ok(Region { x: 1, y: 2, width: 3, height: 4 }));
         for wrong in ["1,2,3", "1,2,3,4,5", "a,b,c,d", "-1,0,2,2", ""] {
             assert!(crop(wrong).is_err(), "{wrong}");
         }
@@ -148,7 +152,7 @@ mod tests {
 
     #[test]
     fn samples_are_named_by_pixel_and_index() {
-        assert_eq!(sample_id("1,2,3"), Ok(etendue::SampleId { x: 1, y: 2, index: 3 }));
+        assert_eq!(sample_id("1,2,3"), Ok(SampleId { x: 1, y: 2, index: 3 }));
         assert!(sample_id("1,2").is_err());
     }
 }

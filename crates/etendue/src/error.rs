@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use etendue_engine::EngineError;
+use etendue_engine::{EngineError, Region};
 
 use crate::{Findings, SensorChoice};
 
@@ -19,6 +19,13 @@ pub enum Error {
         /// What there is: the `id` of each, where it has one.
         available: Vec<Option<String>>,
     },
+    /// The part to render does not lie within the film.
+    Region {
+        /// The part.
+        region: Region,
+        /// The film's width and height in pixels.
+        film: [u32; 2],
+    },
     /// The render cannot be started.
     Engine(EngineError),
 }
@@ -34,6 +41,13 @@ impl fmt::Display for Error {
         match self {
             Self::Scene(findings) => findings.fmt(formatter),
             Self::Sensor { choice, available } => fmt_sensor(formatter, choice, available),
+            Self::Region { region: Region { x, y, width, height }, film: [columns, rows] } => {
+                write!(
+                    formatter,
+                    "a part of {width}x{height} pixels from ({x}, {y}) does not fit a film of \
+                 {columns}x{rows}"
+                )
+            }
             Self::Engine(error) => error.fmt(formatter),
         }
     }

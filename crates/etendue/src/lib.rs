@@ -75,6 +75,6 @@ pub use etendue_engine::{
 pub use files::Files;
 pub use findings::Findings;
 pub use load::{Content, LoadTimes, Loaded, load, load_text};
-pub use options::{RenderOptions, SceneOptions, SensorChoice};
+pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SceneOptions, SensorChoice};
 pub use rendering::Rendering;
 pub use shot::{Shot, render_file, render_text};

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use etendue_engine::Region;
 use etendue_integrators::IntegratorOptions;
 use etendue_render::BuildOptions;
 
@@ -14,7 +15,7 @@ pub struct SceneOptions {
     pub defines: Vec<(String, String)>,
     /// Folders in which files are looked for, beside the scene's own.
     pub search_paths: Vec<PathBuf>,
-    /// Film, crop, filter, and what to do about missing files.
+    /// Film, filter, and what to do about missing files.
     pub build: BuildOptions,
     /// How light is computed.
     pub integrator: IntegratorOptions,
@@ -27,6 +28,8 @@ pub struct SceneOptions {
 pub struct RenderOptions {
     /// Which of the scene's cameras.
     pub sensor: SensorChoice,
+    /// The part of the camera's film that is rendered, instead of the part that the scene says.
+    pub region: Option<Region>,
     /// Samples for every pixel; if neither this nor a time is given, what the scene's sampler says.
     pub samples_per_pixel: Option<u32>,
     /// Wall time from the first ray; with a number of samples too, what comes first ends it.

@@ -70,7 +70,8 @@ impl<'a> Shot<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::Sensor`] if there is no such camera.
+    /// [`Error::Sensor`] if there is no such camera; [`Error::Region`] if the part to render does
+    /// not lie within its film.
     pub fn new(content: &'a Content, options: &RenderOptions) -> Result<Self, Error> {
         let setup = find_sensor(content, &options.sensor)?;
         let own_count = setup.sampler.rounded_sample_count();
@@ -82,10 +83,8 @@ impl<'a> Shot<'a> {
             samples_per_pixel.unwrap_or(own_count),
             options.seed.unwrap_or(setup.sampler.seed()),
         );
-        let crop = setup.film.crop;
-        let region = Region { x: crop.x, y: crop.y, width: crop.width, height: crop.height };
         let job = Job {
-            region,
+            region: find_region(setup, options.region)?,
             budget: Budget { samples_per_pixel, time: options.time_limit },
             memory_limit: options.memory_limit.unwrap_or(DEFAULT_MEMORY_LIMIT),
         };
@@ -140,4 +139,20 @@ fn find_sensor<'a>(content: &'a Content, choice: &SensorChoice) -> Result<&'a Se
         choice: choice.clone(),
         available: sensors.iter().map(|setup| setup.id.clone()).collect(),
     })
+}
+
+/// The part of the film that is rendered.
+fn find_region(setup: &SensorSetup, asked: Option<Region>) -> Result<Region, Error> {
+    let crop = setup.film.crop;
+    let own = Region { x: crop.x, y: crop.y, width: crop.width, height: crop.height };
+    let region = asked.unwrap_or(own);
+    let film = [setup.film.width, setup.film.height];
+    let fits = |start: u32, length: u32, side: u32| {
+        length > 0 && start.checked_add(length).is_some_and(|end| end <= side)
+    };
+    if fits(region.x, region.width, film[0]) && fits(region.y, region.height, film[1]) {
+        Ok(region)
+    } else {
+        Err(Error::Region { region, film })
+    }
 }

@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use etendue::{Error, RenderOptions, Rendering, SampleId, SensorChoice, Shot, Workers};
+use etendue::{
+    EngineError, Error, Region, RenderOptions, Rendering, SampleId, SensorChoice, Shot, Workers,
+};
+use rayon::prelude::*;
 
 use super::scene::SceneArguments;
 use crate::failure::{Failure, Status};
@@ -32,6 +35,9 @@ pub(crate) struct Arguments {
     /// Choose other random numbers
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
+    /// The part of the film to render, in pixels
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parsers::crop)]
+    crop: Option<Region>,
     /// Which of the scene's sensors: a number from 0, or an id
     #[arg(short = 's', long, value_name = "SENSOR", default_value = "0")]
     sensor: String,
@@ -105,7 +111,7 @@ fn render_scene(
     let Some(content) = &loaded.content else {
         return Ok(Status::BadInput);
     };
-    let shot = Shot::new(content, &options(arguments)).map_err(failure)?;
+    let shot = Shot::new(content, &options(arguments)).map_err(|error| failure(path, error))?;
     if let Some(id) = arguments.replay {
         replay::show(&shot, id)?;
         return Ok(Status::Fine);
@@ -114,7 +120,7 @@ fn render_scene(
     signals.finish_gracefully();
     let rendering = shot.render(workers, &progress, signals.cancel());
     progress.finish();
-    let rendering = rendering.map_err(failure)?;
+    let rendering = rendering.map_err(|error| failure(path, error))?;
     let write_started = Instant::now();
     let written = workers.run(|| write(&rendering, targets));
     replay::report(&rendering.statistics.defects);
@@ -127,21 +133,22 @@ fn render_scene(
     Ok(written)
 }
 
-/// Writes every file that can be written, and tells why of the others.
+/// Writes every file that can be written, several at once, and tells why of the others.
 fn write(rendering: &Rendering, targets: &[Target]) -> Status {
-    let mut status = Status::Fine;
-    for target in targets {
-        if let Err(failure) = target.write(rendering.encode(target.format)) {
+    let write_one = |target: &Target| match target.write(rendering.encode(target.format)) {
+        Ok(()) => Status::Fine,
+        Err(failure) => {
             terminal::error(&failure.message);
-            status = failure.status;
+            failure.status
         }
-    }
-    status
+    };
+    targets.par_iter().map(write_one).max().unwrap_or(Status::Fine)
 }
 
 fn options(arguments: &Arguments) -> RenderOptions {
     RenderOptions {
         sensor: SensorChoice::from(arguments.sensor.as_str()),
+        region: arguments.crop,
         samples_per_pixel: arguments.spp,
         time_limit: arguments.time,
         seed: arguments.seed,
@@ -151,10 +158,11 @@ fn options(arguments: &Arguments) -> RenderOptions {
     }
 }
 
-/// An error of the library: all that can happen here is that the input does not allow it.
-fn failure(error: Error) -> Failure {
+/// An error of the library: all but the want of threads is due to what was asked for.
+fn failure(scene: &Path, error: Error) -> Failure {
+    let message = format!("{}: {error}", scene.display());
     match error {
-        Error::Engine(etendue::EngineError::Threads(_)) => Failure::failed(error),
-        _ => Failure::bad_input(error),
+        Error::Engine(EngineError::Threads(_)) => Failure::failed(message),
+        _ => Failure::bad_input(message),
     }
 }

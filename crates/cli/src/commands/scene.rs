@@ -23,9 +23,6 @@ pub(crate) struct SceneArguments {
     /// Width and height of the film, in pixels
     #[arg(long, value_name = "WxH", value_parser = parsers::size)]
     size: Option<[u32; 2]>,
-    /// The part of the film to render, in pixels
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parsers::crop)]
-    crop: Option<[u32; 4]>,
     /// The film's reconstruction filter: box, tent, gaussian, mitchell, catmullrom, lanczos
     #[arg(long, value_name = "NAME")]
     filter: Option<String>,
@@ -81,7 +78,7 @@ impl SceneArguments {
             search_paths: self.search_path.clone(),
             build: BuildOptions {
                 film_size: self.size,
-                crop: self.crop,
+                crop: None,
                 filter: self.filter.clone(),
                 skip_missing: self.skip_missing,
             },

@@ -1,0 +1,270 @@
+//! `etendue render`: outputs, options, exactness.
+
+use std::fs;
+
+use etendue::image::{MetadataValue, Picture, Window, decode_exr_layers};
+
+use crate::run::{Workplace, small_scene, test_file};
+
+fn exr(workplace: &Workplace, name: &str) -> Picture {
+    decode_exr_layers(&workplace.read(name)).unwrap()
+}
+
+#[test]
+fn the_default_outputs_are_exr_and_png_in_the_working_directory() {
+    let workplace = Workplace::new();
+    let outcome = workplace.succeed(&["render", &small_scene()]);
+    assert_eq!(workplace.files(), ["small.exr", "small.png"]);
+    assert_eq!(outcome.stdout, "", "results go to files, news to standard error");
+    assert!(outcome.stderr.contains("small.exr, small.png: 40x24, 4 samples per pixel"));
+    let picture = exr(&workplace, "small.exr");
+    assert_eq!((picture.width, picture.height), (40, 24));
+    let main = picture.main_layer().unwrap();
+    assert!(!main.is_grey && main.alpha.is_none());
+}
+
+#[test]
+fn several_outputs_hold_the_same_picture() {
+    let workplace = Workplace::new();
+    let names = ["a.exr", "b.png", "c.jpg", "d.hdr", "e.pfm", "f.bmp", "g.tiff", "h.EXR"];
+    let scene = small_scene();
+    let mut arguments = vec!["render", &scene, "-q"];
+    for name in names {
+        arguments.extend(["-o", name]);
+    }
+    workplace.succeed(&arguments);
+    let mut expected: Vec<_> = names.iter().map(|name| (*name).to_owned()).collect();
+    expected.sort();
+    assert_eq!(workplace.files(), expected);
+    assert_eq!(workplace.read("a.exr"), workplace.read("h.EXR"));
+    for name in &names[1..7] {
+        let bytes = workplace.read(name);
+        let bitmap = etendue::image::decode(&bytes, name).unwrap();
+        assert_eq!((bitmap.width, bitmap.height), (40, 24), "{name}");
+    }
+}
+
+#[test]
+fn an_output_folder_gets_the_default_names() {
+    let workplace = Workplace::new();
+    fs::create_dir(workplace.path("out")).unwrap();
+    workplace.succeed(&["render", &small_scene(), "-q", "-o", "out"]);
+    assert!(workplace.path("out/small.exr").is_file());
+    assert!(workplace.path("out/small.png").is_file());
+    assert_eq!(workplace.files(), ["out"]);
+}
+
+#[test]
+fn several_scenes_are_rendered_in_one_run() {
+    let workplace = Workplace::new();
+    fs::copy(small_scene(), workplace.path("other.xml")).unwrap();
+    workplace.succeed(&["render", &small_scene(), "other.xml", "-q"]);
+    assert_eq!(
+        workplace.files(),
+        ["other.exr", "other.png", "other.xml", "small.exr", "small.png"]
+    );
+    workplace.fail(&["render", &small_scene(), "other.xml", "-o", "a.exr"]);
+    workplace.fail(&["render", &small_scene(), &small_scene()]);
+}
+
+#[test]
+fn a_broken_scene_does_not_keep_the_others_from_being_rendered() {
+    let workplace = Workplace::new();
+    let broken = test_file("broken/empty.xml");
+    let outcome = workplace.run(&["render", &broken, &small_scene(), "-q"]);
+    assert_eq!(outcome.code, Some(2));
+    assert_eq!(workplace.files(), ["small.exr", "small.png"]);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let workplace = Workplace::new();
+    let render = |threads: &str| {
+        let arguments = ["render", &small_scene(), "-q", "-t", threads, "--variance"];
+        workplace.succeed(&[&arguments[..], &["-o", "a.exr"]].concat());
+        exr(&workplace, "a.exr").channels
+    };
+    let one = render("1");
+    assert_eq!(one.len(), 6);
+    assert_eq!(one, render("2"));
+    assert_eq!(one, render("5"));
+}
+
+#[test]
+fn seeds_choose_other_noise() {
+    let workplace = Workplace::new();
+    let render = |seed: &str| {
+        workplace.succeed(&["render", &small_scene(), "-q", "--seed", seed, "-o", "a.pfm"]);
+        workplace.read("a.pfm")
+    };
+    let first = render("1");
+    assert_eq!(first, render("1"));
+    assert_ne!(first, render("2"));
+}
+
+#[test]
+fn the_header_tells_how_the_picture_came_to_be() {
+    let workplace = Workplace::new();
+    let arguments =
+        ["render", &small_scene(), "-q", "--spp", "3", "--seed", "18446744073709551615"];
+    workplace.succeed(&arguments);
+    let picture = exr(&workplace, "small.exr");
+    assert_eq!(picture.metadata("samplesPerPixel"), Some(&MetadataValue::Integer(3)));
+    let text = |name: &str| match picture.metadata(name) {
+        Some(MetadataValue::Text(text)) => text.clone(),
+        other => panic!("{name}: {other:?}"),
+    };
+    assert_eq!(text("seed"), u64::MAX.to_string());
+    assert!(text("software").starts_with("Etendue "));
+    assert_eq!(text("sceneHash").len(), 64);
+    assert!(matches!(picture.metadata("renderSeconds"), Some(MetadataValue::Float(s)) if *s > 0.0));
+    let Some(MetadataValue::Matrix4(matrix)) = picture.metadata("worldToCamera") else {
+        panic!("no camera matrix");
+    };
+    // The origin of the world lies √26 in front of the camera: the last row is the translation.
+    assert!((matrix[14] - 26_f32.sqrt()).abs() < 1e-4, "{matrix:?}");
+    assert!(picture.metadata("chromaticities").is_some());
+}
+
+#[test]
+fn the_scene_hash_follows_the_scene() {
+    let workplace = Workplace::new();
+    let hash = |arguments: &[&str]| {
+        workplace.succeed(&[&["render", "-q", "--spp", "1", "-o", "a.exr"], arguments].concat());
+        exr(&workplace, "a.exr").metadata("sceneHash").cloned()
+    };
+    let own = hash(&[&small_scene()]);
+    assert!(own.is_some());
+    let text = fs::read_to_string(small_scene()).unwrap();
+    fs::write(workplace.path("copy.xml"), &text).unwrap();
+    assert_eq!(own, hash(&["copy.xml"]), "the same content elsewhere");
+    fs::write(workplace.path("copy.xml"), text.replace("0.5", "0.6")).unwrap();
+    assert_ne!(own, hash(&["copy.xml"]));
+}
+
+#[test]
+fn options_change_what_they_name() {
+    let workplace = Workplace::new();
+    let render = |arguments: &[&str]| {
+        let scene = small_scene();
+        workplace.succeed(&[&["render", &scene, "-q", "-o", "a.exr"], arguments].concat());
+        exr(&workplace, "a.exr")
+    };
+    let size = |picture: &Picture| (picture.width, picture.height);
+    let plain = render(&[]);
+    assert_eq!(size(&render(&["--size", "10x6"])), (10, 6));
+    assert_eq!(size(&render(&["-s", "1"])), (20, 20));
+    assert_eq!(render(&["-s", "1"]).channels, render(&["-s", "side"]).channels);
+
+    let crop = render(&["--crop", "10,5,12,8"]);
+    assert_eq!((size(&crop), crop.data_origin), ((12, 8), [10, 5]));
+    assert_eq!(crop.display_window, Window { x: 0, y: 0, width: 40, height: 24 });
+    for (index, value) in crop.channels[0].data.iter().enumerate() {
+        let whole = &plain.channels[0].data[(index / 12 + 5) * 40 + index % 12 + 10];
+        assert_eq!(value, whole, "a crop is the same picture, cut out");
+    }
+
+    let changes: [&[&str]; 5] = [
+        &["-D", "grey=0.1"],
+        &["--filter", "box"],
+        &["--integrator", "depth"],
+        &["--no-emitter-sampling"],
+        &["--spp", "7"],
+    ];
+    for change in changes {
+        assert_ne!(render(change).channels, plain.channels, "{change:?}");
+    }
+}
+
+#[test]
+fn wrong_arguments_are_refused_before_the_first_ray() {
+    let workplace = Workplace::new();
+    let scene = small_scene();
+    let cases: [(&[&str], &str); 17] = [
+        (&["-o", "a.xyz"], "`.xyz`"),
+        (&["-o", "a"], "extension"),
+        (&["-o", "nowhere/a.exr"], "nowhere"),
+        (&["-o", "a.exr", "-o", "b.gif"], "`.gif`"),
+        (&["--spp", "0"], "--spp"),
+        (&["--spp", "many"], "--spp"),
+        (&["--size", "40"], "--size"),
+        (&["--size", "2000000000x2000000000"], "2000000000"),
+        (&["--crop", "1,2,3"], "--crop"),
+        (&["--crop", "30,20,40,40"], "40x24"),
+        (&["--time", "soon"], "--time"),
+        (&["-s", "5"], "0 (`front`), 1 (`side`)"),
+        (&["-s", "top"], "0 (`front`), 1 (`side`)"),
+        (&["--integrator", "magic"], "magic"),
+        (&["--filter", "magic"], "magic"),
+        (&["-t", "0"], "--threads"),
+        (&["-D", "grey"], "NAME=VALUE"),
+    ];
+    for (arguments, message) in cases {
+        let outcome = workplace.fail(&[&["render", &scene], arguments].concat());
+        assert!(outcome.stderr.contains(message), "{arguments:?}: {}", outcome.stderr);
+    }
+    workplace.fail(&["render"]);
+    workplace.fail(&["paint", &scene]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_written_is_noticed_before_the_first_ray() {
+    let workplace = Workplace::new();
+    let outcome = workplace.fail(&["render", &small_scene(), "-o", "/proc/a.exr"]);
+    assert!(outcome.stderr.contains("/proc/a.exr"), "{}", outcome.stderr);
+}
+
+#[test]
+fn an_old_output_is_replaced() {
+    let workplace = Workplace::new();
+    fs::write(workplace.path("a.pfm"), "old").unwrap();
+    workplace.succeed(&["render", &small_scene(), "-q", "-o", "a.pfm"]);
+    assert!(workplace.read("a.pfm").starts_with(b"PF"));
+    assert_eq!(workplace.files(), ["a.pfm"]);
+}
+
+#[test]
+fn quiet_says_nothing_and_verbose_says_more() {
+    let workplace = Workplace::new();
+    let quiet = workplace.succeed(&["render", &small_scene(), "-q"]);
+    assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));
+    let verbose = workplace.succeed(&["render", &small_scene(), "-v"]);
+    assert!(verbose.stderr.contains("passes in"), "{}", verbose.stderr);
+    workplace.fail(&["render", &small_scene(), "-q", "-v"]);
+}
+
+#[test]
+fn without_a_terminal_there_are_no_escape_codes_and_progress_is_lines() {
+    let workplace = Workplace::new();
+    let outcome = workplace.succeed(&["render", &small_scene(), "--time", "3s", "-o", "a.png"]);
+    assert!(!outcome.stderr.contains('\x1b'), "{:?}", outcome.stderr);
+    let lines: Vec<&str> = outcome.stderr.lines().collect();
+    assert!(lines.len() >= 2, "{:?}", outcome.stderr);
+    assert!(lines[0].contains(" %  ") && lines[0].contains("samples/s"), "{:?}", outcome.stderr);
+    assert!(lines[0].contains("left"), "{:?}", outcome.stderr);
+}
+
+#[test]
+fn one_sample_can_be_replayed() {
+    let workplace = Workplace::new();
+    let scene = small_scene();
+    let outcome = workplace.succeed(&["render", &scene, "--replay", "20,12,3"]);
+    assert!(outcome.stdout.contains("pixel 20,12  sample 3"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("radiance"), "{}", outcome.stdout);
+    assert_eq!(workplace.files(), [""; 0]);
+    let again = workplace.succeed(&["render", &scene, "--replay", "20,12,3", "-t", "1"]);
+    assert_eq!(outcome.stdout, again.stdout);
+    workplace.fail(&["render", &scene, "--replay", "40,12,3"]);
+}
+
+#[test]
+fn help_lists_the_exit_codes() {
+    for arguments in [&["--help"][..], &["render", "--help"]] {
+        let outcome = Workplace::new().succeed(arguments);
+        for code in ["0 ", "1 ", "2 ", "130", "143"] {
+            assert!(outcome.stdout.contains(&format!("\n  {code}")), "{}", outcome.stdout);
+        }
+    }
+    assert!(Workplace::new().succeed(&["--version"]).stdout.starts_with("etendue "));
+}

@@ -1,0 +1,95 @@
+//! `etendue check` and `etendue info`, and how findings are told.
+
+use std::process::Stdio;
+
+use crate::run::{Workplace, small_scene, test_file};
+
+fn warnings_scene() -> String {
+    test_file("scenes/warnings.xml")
+}
+
+#[test]
+fn check_reports_everything_and_renders_nothing() {
+    let workplace = Workplace::new();
+    let fine = workplace.succeed(&["check", &small_scene()]);
+    assert!(fine.stdout.ends_with("small.xml: 0 errors, 0 warnings\n"), "{}", fine.stdout);
+    assert_eq!(fine.stderr, "");
+    let broken = workplace.run(&["check", &small_scene(), &test_file("broken/many_errors.xml")]);
+    assert_eq!(broken.code, Some(2));
+    assert!(
+        broken.stdout.ends_with("many_errors.xml: 3 errors, 0 warnings\n"),
+        "{}",
+        broken.stdout
+    );
+    assert!(broken.stderr.contains("many_errors.xml:8:52"), "{}", broken.stderr);
+    assert_eq!(workplace.files(), [""; 0]);
+}
+
+#[test]
+fn warnings_come_once_each_with_place_and_near_names() {
+    let outcome = Workplace::new().succeed(&["check", &warnings_scene(), "--skip-missing"]);
+    assert!(
+        outcome.stdout.contains("0 errors, 3 warnings"),
+        "{}{}",
+        outcome.stdout,
+        outcome.stderr
+    );
+    for (message, place) in [("bdpt", ":2:"), ("fovv", ":4:"), ("nowhere.obj", ":9:")] {
+        let place = format!("warnings.xml{place}");
+        assert!(outcome.stderr.contains(message), "{message}: {}", outcome.stderr);
+        assert_eq!(outcome.stderr.matches(&place).count(), 1, "{place}: {}", outcome.stderr);
+    }
+    assert!(outcome.stderr.contains("`fov`"), "the near name: {}", outcome.stderr);
+}
+
+#[test]
+fn strict_and_missing_files_are_errors() {
+    let workplace = Workplace::new();
+    let missing = workplace.fail(&["check", &warnings_scene()]);
+    assert!(missing.stdout.contains("1 error, 2 warnings"), "{}", missing.stdout);
+    let strict = workplace.fail(&["check", &warnings_scene(), "--skip-missing", "--strict"]);
+    assert!(strict.stdout.contains("1 error, 2 warnings"), "{}", strict.stdout);
+    assert!(strict.stderr.contains("error: "), "{}", strict.stderr);
+}
+
+#[test]
+fn quiet_keeps_errors_and_drops_warnings() {
+    let outcome = Workplace::new().fail(&["check", &warnings_scene(), "-q"]);
+    assert!(outcome.stderr.contains("nowhere.obj") && !outcome.stderr.contains("fovv"));
+    assert_eq!(outcome.stdout, "");
+}
+
+#[test]
+fn info_counts_what_is_there() {
+    let outcome = Workplace::new().succeed(&["info", &small_scene()]);
+    for row in ["shapes     2\n", "triangles  2\n", "emitters   1 constant", "`side`: 20x20"] {
+        assert!(outcome.stdout.contains(row), "{row}: {}", outcome.stdout);
+    }
+}
+
+#[test]
+fn info_speaks_json() {
+    let workplace = Workplace::new();
+    let outcome = workplace.succeed(&["info", &small_scene(), "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(info["shapes"], 2);
+    assert_eq!(info["sensors"][1]["id"], "side");
+    let bottom = info["bounds"]["min"][1].as_f64().unwrap();
+    assert!((bottom + 1.0).abs() < 1e-6, "a rotated rectangle is flat within rounding");
+    let warned = workplace.succeed(&["info", &warnings_scene(), "--json", "--skip-missing", "-q"]);
+    let info: serde_json::Value = serde_json::from_str(&warned.stdout).unwrap();
+    assert_eq!(info["findings"][0]["place"]["line"], 2);
+    workplace.fail(&["info", &test_file("broken/empty.xml")]);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_trouble() {
+    let workplace = Workplace::new();
+    let mut command = workplace.command(&["info", &small_scene()]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+}

@@ -1,0 +1,70 @@
+//! Ctrl-C and SIGTERM.
+
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use etendue::image::decode_exr_layers;
+
+use crate::run::{Outcome, Workplace, small_scene};
+
+/// Starts a render that would take far longer than the test.
+fn start(workplace: &Workplace) -> Child {
+    let scene = small_scene();
+    let arguments = ["render", &scene, "--spp", "100000000", "-o", "a.exr", "-o", "b.png"];
+    let mut command = workplace.command(&arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+/// Waits long enough for a scene of two shapes to be loaded and rendering, even on a busy machine.
+fn wait_until_rendering() {
+    sleep(Duration::from_millis(1500));
+}
+
+fn finish(child: Child) -> Outcome {
+    child.wait_with_output().unwrap().into()
+}
+
+#[test]
+fn a_signal_ends_the_render_and_what_is_done_is_written() {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        let workplace = Workplace::new();
+        let child = start(&workplace);
+        wait_until_rendering();
+        send(signal, &child);
+        let sent = Instant::now();
+        let outcome = finish(child);
+        assert!(sent.elapsed() < Duration::from_secs(10));
+        assert_eq!(outcome.code, Some(code), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("stopped early"), "{}", outcome.stderr);
+        assert_eq!(workplace.files(), ["a.exr", "b.png"]);
+        let picture = decode_exr_layers(&workplace.read("a.exr")).unwrap();
+        let red = &picture.channels[0].data;
+        assert!(red.iter().all(|&value| value > 0.0), "every pixel of this scene is lit");
+    }
+}
+
+#[test]
+fn a_signal_before_there_is_a_picture_leaves_at_once_and_no_file() {
+    let workplace = Workplace::new();
+    // Reading the scene from a pipe that never ends is refused, so a scene takes its time here by
+    // being large.
+    let sphere = "<shape type=\"sphere\"/>\n".repeat(400_000);
+    std::fs::write(
+        workplace.path("large.xml"),
+        format!("<scene version=\"3.0.0\">{sphere}</scene>"),
+    )
+    .unwrap();
+    let mut command = workplace.command(&["render", "large.xml"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    sleep(Duration::from_millis(100));
+    send("-INT", &child);
+    let outcome = finish(child);
+    assert_eq!(outcome.code, Some(130), "{}", outcome.stderr);
+    assert_eq!(workplace.files(), ["large.xml"]);
+}
