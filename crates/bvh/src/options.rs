@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
     /// In how many slabs per axis a range of primitives is sorted to find its best split
-    /// (2 to 32; values outside are brought inside).
+    /// (2 to 16; values outside are brought inside).
     pub bin_count: u32,
     /// What visiting a node costs, in units of testing a block of triangles.
     pub node_cost: f32,
@@ -22,7 +22,7 @@ impl BuildOptions {
     pub const BALANCED: Self = Self { bin_count: 16, node_cost: 1.0, split_budget: 0.0 };
 
     /// Spatial splits: a slower build and more memory for faster rays.
-    pub const SPATIAL: Self = Self { bin_count: 32, node_cost: 1.0, split_budget: 0.3 };
+    pub const SPATIAL: Self = Self { bin_count: 16, node_cost: 1.0, split_budget: 0.3 };
 }
 
 impl Default for BuildOptions {

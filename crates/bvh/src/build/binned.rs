@@ -6,6 +6,7 @@
 use super::MAX_COST_DEPTH;
 use super::collapse::{Costs, Plan};
 use super::reference::Reference;
+use crate::memory::vector_with_capacity;
 use crate::options::BuildOptions;
 use etendue_math::Bounds3;
 use glam::{Vec3, Vec4};
@@ -50,7 +51,7 @@ impl Box4 {
 
     #[inline(always)]
     fn half_area(&self) -> f32 {
-        let extent = (self.max - self.min).truncate().max(Vec3::ZERO);
+        let extent = self.max - self.min;
         extent.x * (extent.y + extent.z) + extent.y * extent.z
     }
 }
@@ -79,7 +80,7 @@ impl Extent {
     }
 }
 
-const MAX_BINS: usize = 32;
+const MAX_BINS: usize = 16;
 
 /// Ranges of more references are divided between threads.
 const PARALLEL: usize = 4096;
@@ -113,7 +114,8 @@ pub(super) fn build(references: &mut [Reference], options: &BuildOptions) -> Vec
     if references.is_empty() {
         return Vec::new();
     }
-    let mut nodes = vec![BinaryNode::default(); 2 * references.len() - 1];
+    let mut nodes = vector_with_capacity(2 * references.len() - 1);
+    nodes.resize(2 * references.len() - 1, BinaryNode::default());
     let builder = Builder {
         bin_count: (options.bin_count as usize).clamp(2, MAX_BINS),
         node_cost: options.node_cost,
@@ -180,6 +182,9 @@ impl Builder {
         extent: &Extent,
         depth: usize,
     ) -> (usize, [Extent; 2]) {
+        if let [left, right] = references {
+            return (1, [*left, *right].map(|reference| Extent::of(&[reference])));
+        }
         let split = (depth < MAX_COST_DEPTH).then(|| self.find_split(references, extent)).flatten();
         if let Some(split) = split {
             return partition(references, &split);
@@ -192,9 +197,10 @@ impl Builder {
 
     /// The cheapest of the planes between bins, if any parts the centres.
     fn find_split(&self, references: &[Reference], extent: &Extent) -> Option<Split> {
-        let binning = Binning::new(extent, self.bin_count.min(references.len().max(2)));
-        let mut bins = Bins::EMPTY;
-        bins.reset(binning.count);
+        // A bin for every few references is enough, and small ranges are by far the most.
+        let count = (4 + references.len() / 4).min(self.bin_count);
+        let binning = Binning::new(extent, count);
+        let mut bins = Bins::new(count);
         for reference in references {
             let [x, y, z] = binning.bins(reference);
             bins.add(0, x, reference);
@@ -207,7 +213,7 @@ impl Builder {
             if binning.scale[axis] == 0.0 {
                 continue;
             }
-            let (plane, cost) = bins.best_plane(axis, binning.count);
+            let (plane, cost) = bins.best_plane(axis, count);
             if cost < least {
                 least = cost;
                 best = Some(Split { binning, axis, plane });
@@ -229,25 +235,38 @@ struct Split {
 struct Binning {
     origin: Vec4,
     scale: Vec4,
-    count: usize,
 }
+
+/// Adding this to a small number that is not negative rounds it into the lowest bits: much quicker
+/// than a conversion, which in Rust saturates.
+const TO_LOW_BITS: f32 = 8_388_608.0;
 
 impl Binning {
     fn new(extent: &Extent, count: usize) -> Self {
         let size = extent.centers.max - extent.centers.min;
-        // Slightly less than one, so that the last centre is in the last bin.
-        let scale = Vec4::splat(count as f32 * 0.999_99) / size;
+        let scale = Vec4::splat(count as f32 - 1.0) / size;
         // An axis on which the centres agree, or are so near or far that it overflows, is flat.
         let usable = size.cmpgt(Vec4::ZERO) & scale.cmplt(Vec4::splat(f32::MAX));
-        Self { origin: extent.centers.min, scale: Vec4::select(usable, scale, Vec4::ZERO), count }
+        Self { origin: extent.centers.min, scale: Vec4::select(usable, scale, Vec4::ZERO) }
     }
 
     #[inline(always)]
     fn bins(&self, reference: &Reference) -> [usize; 3] {
-        let place = (reference.center() - self.origin) * self.scale;
-        let last = self.count as i32 - 1;
-        [place.x, place.y, place.z].map(|place| (place as i32).clamp(0, last) as usize)
+        let place = (reference.center() - self.origin) * self.scale + Vec4::splat(TO_LOW_BITS);
+        [bin_of(place.x), bin_of(place.y), bin_of(place.z)]
     }
+
+    /// The same as `bins(reference)[axis]`, to the last bit.
+    #[inline(always)]
+    fn bin(&self, reference: &Reference, axis: usize) -> usize {
+        let center = reference.min[axis] * 0.5 + reference.max[axis] * 0.5;
+        bin_of((center - self.origin[axis]) * self.scale[axis] + TO_LOW_BITS)
+    }
+}
+
+#[inline(always)]
+fn bin_of(place: f32) -> usize {
+    place.to_bits() as usize & (MAX_BINS - 1)
 }
 
 /// What fell into each bin of each axis.
@@ -257,9 +276,17 @@ struct Bins {
 }
 
 impl Bins {
-    const EMPTY: Self = Self { boxes: [[Box4::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
-
-    fn reset(&mut self, _count: usize) {}
+    /// `count` empty bins on each axis, and more that are not used.
+    fn new(count: usize) -> Self {
+        let mut bins = Self {
+            boxes: [[Box4 { min: Vec4::ZERO, max: Vec4::ZERO }; MAX_BINS]; 3],
+            counts: [[0; MAX_BINS]; 3],
+        };
+        for axis in 0..3 {
+            bins.boxes[axis][..count].fill(Box4::EMPTY);
+        }
+        bins
+    }
 
     #[inline(always)]
     fn add(&mut self, axis: usize, bin: usize, reference: &Reference) {

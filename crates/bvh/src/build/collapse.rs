@@ -126,7 +126,6 @@ impl Wide {
         self.nodes.push(Node::EMPTY);
         let mut children = Vec::with_capacity(WIDTH);
         distribute(tree, binary, WIDTH, &mut children);
-        children.sort_by(|&a, &b| tree[a].bounds().half_area().total_cmp(&tree[b].bounds().half_area()));
         for (slot, &child) in children.iter().enumerate() {
             let node = &tree[child];
             let word = if is_leaf(node) {

@@ -3,6 +3,7 @@
 use crate::error::BuildError;
 use crate::geometry::{GeometryView, TriangleMeshView};
 use crate::instance::{Instance, world_bounds};
+use crate::memory::vector_with_capacity;
 use etendue_math::Bounds3;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -49,10 +50,10 @@ impl Reference {
         self.max.w.to_bits()
     }
 
-    /// Twice the centre of the box; the fourth component means nothing.
+    /// The centre of the box; the fourth component means nothing.
     #[inline(always)]
     pub(super) fn center(&self) -> Vec4 {
-        self.min + self.max
+        self.min * 0.5 + self.max * 0.5
     }
 }
 
@@ -65,7 +66,7 @@ pub(super) fn collect(
     if geometries.len() >= Reference::INSTANCE as usize {
         return Err(BuildError::TooManyPrimitives);
     }
-    let mut references = Vec::new();
+    let mut references = vector_with_capacity(geometries.iter().map(primitive_count).sum());
     let mut next_instance = 0..;
     for (geometry, view) in (0_u32..).zip(geometries) {
         match view {
@@ -85,6 +86,14 @@ pub(super) fn collect(
         }
     }
     Ok(references)
+}
+
+fn primitive_count(view: &GeometryView<'_>) -> usize {
+    match view {
+        GeometryView::Triangles(mesh) => mesh.indices.len(),
+        GeometryView::User(boxes) => boxes.len(),
+        GeometryView::Instance { .. } => 1,
+    }
 }
 
 fn collect_triangles(
