@@ -9,7 +9,8 @@ use super::reference::Reference;
 use crate::memory::vector_with_capacity;
 use crate::options::BuildOptions;
 use etendue_math::Bounds3;
-use glam::{Vec3, Vec4};
+use glam::{BVec4A, Vec3, Vec4};
+use std::ops::Range;
 
 /// A node of the binary tree and the references below it. Its left child follows it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -216,10 +217,13 @@ impl Builder {
             let (plane, cost) = bins.best_plane(axis, count);
             if cost < least {
                 least = cost;
-                best = Some(Split { binning, axis, plane });
+                best = Some((axis, plane));
             }
         }
-        best
+        let (axis, plane) = best?;
+        let bounds =
+            [bins.bounds(axis, 0..plane), bins.bounds(axis, plane..count)];
+        Some(Split { binning, axis, plane, bounds })
     }
 }
 
@@ -228,6 +232,8 @@ struct Split {
     binning: Binning,
     axis: usize,
     plane: usize,
+    /// The boxes of the two sides.
+    bounds: [Box4; 2],
 }
 
 /// How centres are sorted into bins.
@@ -256,10 +262,9 @@ impl Binning {
         [bin_of(place.x), bin_of(place.y), bin_of(place.z)]
     }
 
-    /// The same as `bins(reference)[axis]`, to the last bit.
+    /// The same as `bins(reference)[axis]`, to the last bit, given the centre's coordinate.
     #[inline(always)]
-    fn bin(&self, reference: &Reference, axis: usize) -> usize {
-        let center = reference.min[axis] * 0.5 + reference.max[axis] * 0.5;
+    fn bin(&self, center: f32, axis: usize) -> usize {
         bin_of((center - self.origin[axis]) * self.scale[axis] + TO_LOW_BITS)
     }
 }
@@ -294,6 +299,13 @@ impl Bins {
         self.counts[axis][bin] += 1;
     }
 
+    /// The box of everything in some bins.
+    fn bounds(&self, axis: usize, bins: Range<usize>) -> Box4 {
+        let mut bounds = Box4::EMPTY;
+        self.boxes[axis][bins].iter().for_each(|bin| bounds.grow(bin.min, bin.max));
+        bounds
+    }
+
     /// The first bin of the right side, and the cost; infinite if no plane parts the references.
     fn best_plane(&self, axis: usize, count: usize) -> (usize, f32) {
         let mut right_costs = [f32::INFINITY; MAX_BINS];
@@ -324,22 +336,27 @@ impl Bins {
 }
 
 /// Moves the references left of the split to the front.
+///
+/// Without a branch on the side, which could not be foretold: a reference of the right side is
+/// swapped with another of its side, and the boxes of the centres grow by nothing. That took a
+/// third off the build.
 fn partition(references: &mut [Reference], split: &Split) -> (usize, [Extent; 2]) {
-    let is_left = |reference: &Reference| split.binning.bins(reference)[split.axis] < split.plane;
-    let mut extents = [Extent::EMPTY; 2];
-    let (mut left, mut right) = (0, references.len());
-    loop {
-        while left < right && is_left(&references[left]) {
-            extents[0].add(&references[left]);
-            left += 1;
-        }
-        while left < right && !is_left(&references[right - 1]) {
-            extents[1].add(&references[right - 1]);
-            right -= 1;
-        }
-        if left >= right {
-            return (left, extents);
-        }
-        references.swap(left, right - 1);
+    let [mut left_centers, mut right_centers] = [Box4::EMPTY; 2];
+    let mut left = 0;
+    for index in 0..references.len() {
+        let reference = references[index];
+        let center = reference.center();
+        let is_left = split.binning.bin(center[split.axis], split.axis) < split.plane;
+        let mask = BVec4A::splat(is_left);
+        left_centers.min = left_centers.min.min(Vec4::select(mask, center, Box4::EMPTY.min));
+        left_centers.max = left_centers.max.max(Vec4::select(mask, center, Box4::EMPTY.max));
+        right_centers.min = right_centers.min.min(Vec4::select(mask, Box4::EMPTY.min, center));
+        right_centers.max = right_centers.max.max(Vec4::select(mask, Box4::EMPTY.max, center));
+        references[index] = references[left];
+        references[left] = reference;
+        left += usize::from(is_left);
     }
+    let [left_bounds, right_bounds] = split.bounds;
+    let left_extent = Extent { bounds: left_bounds, centers: left_centers };
+    (left, [left_extent, Extent { bounds: right_bounds, centers: right_centers }])
 }
