@@ -54,3 +54,31 @@ impl BlendBsdf {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::{assert_finds, assert_same};
+    use etendue_document::{Fault, Severity};
+
+    #[test]
+    fn the_ends_of_the_range_are_the_materials() {
+        let blend = |weight: &str| {
+            format!(
+                r#"<bsdf type="blendbsdf"><float name="weight" value="{weight}"/>
+                   <bsdf type="roughplastic"/><bsdf type="roughdielectric"/></bsdf>"#
+            )
+        };
+        assert_same(&blend("0"), r#"<bsdf type="roughplastic"/>"#);
+        assert_same(&blend("1"), r#"<bsdf type="roughdielectric"/>"#);
+    }
+
+    #[test]
+    fn it_takes_two() {
+        assert_finds(
+            r#"<bsdf type="blendbsdf"><bsdf type="diffuse"/></bsdf>"#,
+            Severity::Error,
+            Fault::MissingParameter,
+            "2 materials",
+        );
+    }
+}

@@ -74,3 +74,102 @@ impl BumpMap {
         if normal.dot(to_base(surface.normal)) < 0.0 { -normal } else { normal }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::Transport;
+    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same, surface};
+    use crate::texture::Texture;
+    use crate::texture::bitmap::{BitmapOptions, BitmapTexture};
+    use etendue_document::{Fault, Severity};
+    use etendue_image::{Bitmap, Samples};
+    use glam::Vec3;
+
+    /// A height map whose gradient at the test surface's uv is (−0.12, 0.46).
+    fn height() -> Texture {
+        let rows = [
+            [1.0, 3.0, 2.0, 5.0],
+            [4.0, 2.0, 6.0, 1.0],
+            [3.0, 9.0, 2.0, 4.0],
+            [5.0, 1.0, 7.0, 3.0],
+        ];
+        let samples = rows.iter().flatten().map(|height: &f32| 0.025 * height).collect();
+        let bitmap = Bitmap {
+            width: 4,
+            height: 4,
+            channels: 1,
+            samples: Samples::F32(samples),
+            srgb: false,
+        };
+        let options = BitmapOptions { raw: true, ..BitmapOptions::default() };
+        Texture::Bitmap(BitmapTexture::new(bitmap, &options).expect("a picture with texels"))
+    }
+
+    #[test]
+    fn tilted_normals_give_the_values_of_mitsuba() {
+        let scale = |scale: f32| format!(r#"<float name="scale" value="{scale}"/>"#);
+        let sharp = r#"<boolean name="use_shadowing_function" value="false"/>"#;
+        let steep = [Vec3::new(0.2, 0.1, 0.9), Vec3::new(-0.8, 0.2, 0.1)].map(Vec3::normalize);
+        // Settings, tangents, incident direction, value, density.
+        let table = [
+            (scale(1.0), [Vec3::X, Vec3::Y], steep[0], 0.053_684_5, 0.054_478_44),
+            (scale(1.0), [Vec3::X, Vec3::Y], steep[1], 0.266_82, 0.270_765_96),
+            (
+                scale(0.5),
+                [Vec3::new(2.0, 0.3, 0.4), Vec3::new(-0.2, 1.5, -0.1)],
+                steep[0],
+                0.138_212,
+                0.138_432_8,
+            ),
+            (
+                scale(2.0) + sharp,
+                [Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.3, -1.0, 0.0)],
+                steep[1],
+                0.279_85,
+                0.279_850_16,
+            ),
+        ];
+        let wo = Vec3::new(-0.3, 0.5, 0.4).normalize();
+        for (settings, [dp_du, dp_dv], wi, value, pdf) in table {
+            let mut material = TestMaterial::read(&format!(
+                r#"<bsdf type="bumpmap"><texture type="checkerboard"/>{settings}
+                   <bsdf type="diffuse"><float name="reflectance" value="1"/></bsdf></bsdf>"#
+            ));
+            material.textures = vec![height()];
+            let surface = crate::SurfaceInteraction { dp_du, dp_dv, ..surface(wi) };
+            let actual = material.bsdf_at(&surface).eval_pdf(wi, wo, Transport::Radiance);
+            assert!((actual.0[0] - value).abs() < 2e-6, "{settings}: {actual:?} {value}");
+            assert!((actual.1 - pdf).abs() < 2e-6, "{settings}: {actual:?} {pdf}");
+        }
+    }
+
+    #[test]
+    fn an_even_height_changes_nothing() {
+        let nested = r#"<bsdf type="roughconductor"><float name="alpha_u" value="0.4"/><float name="alpha_v" value="0.1"/></bsdf>"#;
+        let map = r#"<texture name="any" type="checkerboard"/>"#;
+        assert_same(&format!(r#"<bsdf type="bumpmap">{map}{nested}</bsdf>"#), nested);
+    }
+
+    #[test]
+    fn it_takes_one_texture_and_one_material() {
+        assert_finds(
+            r#"<bsdf type="bumpmap"><bsdf type="diffuse"/></bsdf>"#,
+            Severity::Error,
+            Fault::MissingParameter,
+            "texture",
+        );
+        let map = r#"<texture type="checkerboard"/>"#;
+        assert_finds(
+            &format!(r#"<bsdf type="bumpmap">{map}</bsdf>"#),
+            Severity::Error,
+            Fault::MissingParameter,
+            "one material",
+        );
+        assert_finds(
+            &format!(r#"<bsdf type="bumpmap">{map}{map}<bsdf type="diffuse"/></bsdf>"#),
+            Severity::Error,
+            Fault::BadValue,
+            "one texture",
+        );
+    }
+}

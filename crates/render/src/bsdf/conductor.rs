@@ -126,3 +126,52 @@ impl Closure for ConductorClosure {
         fresnel::conductor(wi.z, self.eta, self.k) * self.specular
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
+    use crate::bsdf::{Lobe, Transport};
+    use etendue_document::{Fault, Severity};
+    use glam::{Vec2, Vec3};
+
+    #[test]
+    fn without_parameters_it_is_a_perfect_mirror() {
+        let mirror = TestMaterial::read(r#"<bsdf type="conductor"/>"#);
+        let wi = Vec3::new(0.6, 0.0, 0.8);
+        let sample = mirror.bsdf(wi).sample(wi, 0.5, Vec2::ZERO, Transport::Radiance);
+        let sample = sample.expect("a mirror always reflects");
+        assert_eq!((sample.wo, sample.lobe), (Vec3::new(-0.6, 0.0, 0.8), Lobe::Delta));
+        assert_eq!(sample.weight.rgb(), [1.0; 3]);
+        assert_same(
+            r#"<bsdf type="conductor"><string name="material" value="none"/></bsdf>"#,
+            r#"<bsdf type="conductor"/>"#,
+        );
+    }
+
+    #[test]
+    fn the_index_outside_divides_both_parts() {
+        assert_same(
+            r#"<bsdf type="conductor"><float name="eta" value="3"/><float name="k" value="5"/>
+               <float name="ext_eta" value="2"/></bsdf>"#,
+            r#"<bsdf type="conductor"><float name="eta" value="1.5"/><float name="k" value="2.5"/>
+               </bsdf>"#,
+        );
+    }
+
+    #[test]
+    fn unknown_and_superfluous_metals_are_found() {
+        assert_finds(
+            r#"<bsdf type="conductor"><string name="material" value="Unobtainium"/></bsdf>"#,
+            Severity::Error,
+            Fault::BadValue,
+            "no metal `Unobtainium`",
+        );
+        assert_finds(
+            r#"<bsdf type="conductor"><string name="material" value="Au"/>
+               <float name="eta" value="3"/><float name="k" value="5"/></bsdf>"#,
+            Severity::Warning,
+            Fault::BadValue,
+            "no effect",
+        );
+    }
+}

@@ -145,3 +145,71 @@ pub(super) fn radiance_scale(eta_ti: f32, transport: Transport) -> f32 {
         Transport::Importance => 1.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
+    use crate::bsdf::{Lobe, Transport};
+    use etendue_document::{Fault, Severity};
+    use glam::{Vec2, Vec3};
+
+    #[test]
+    fn radiance_is_scaled_on_the_way_through_and_importance_is_not() {
+        let glass = TestMaterial::read(
+            r#"<bsdf type="dielectric"><float name="int_ior" value="1.5"/>
+               <float name="ext_ior" value="1"/></bsdf>"#,
+        );
+        for (wi, eta) in [(Vec3::Z, 1.5_f32), (-Vec3::Z, 1.0 / 1.5)] {
+            let [radiance, importance] =
+                [Transport::Radiance, Transport::Importance].map(|transport| {
+                    glass
+                        .bsdf(wi)
+                        .sample(wi, 0.5, Vec2::ZERO, transport)
+                        .expect("light goes through")
+                });
+            assert_eq!((radiance.wo, radiance.lobe), (-wi, Lobe::Delta));
+            assert!((radiance.eta - eta).abs() < 1e-6);
+            assert!((radiance.weight[0] - 1.0 / (eta * eta)).abs() < 1e-6);
+            assert_eq!(importance.weight[0], 1.0);
+            assert!((radiance.pdf - 0.96).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn beyond_the_critical_angle_all_is_reflected() {
+        let glass = TestMaterial::read(r#"<bsdf type="dielectric"/>"#);
+        let wi = Vec3::new(0.8, 0.0, -0.6);
+        let sample = glass.bsdf(wi).sample(wi, 0.999, Vec2::ZERO, Transport::Radiance);
+        let sample = sample.expect("a reflection");
+        assert_eq!((sample.wo, sample.pdf, sample.eta), (Vec3::new(-0.8, 0.0, -0.6), 1.0, 1.0));
+    }
+
+    #[test]
+    fn names_and_numbers_mean_the_same() {
+        assert_same(
+            r#"<bsdf type="dielectric"><string name="int_ior" value="water"/></bsdf>"#,
+            r#"<bsdf type="dielectric"><float name="int_ior" value="1.333"/>
+               <string name="ext_ior" value="air"/></bsdf>"#,
+        );
+    }
+
+    #[test]
+    fn indices_out_of_range_are_found() {
+        for value in ["0", "-1.5", "1e39"] {
+            assert_finds(
+                &format!(
+                    r#"<bsdf type="dielectric"><float name="int_ior" value="{value}"/></bsdf>"#
+                ),
+                Severity::Error,
+                Fault::BadValue,
+                "int_ior",
+            );
+        }
+        assert_finds(
+            r#"<bsdf type="dielectric"><float name="ext_ior" value="1e-20"/></bsdf>"#,
+            Severity::Error,
+            Fault::BadValue,
+            "from 0.001 to 1000",
+        );
+    }
+}

@@ -99,3 +99,37 @@ impl Closure for DiffuseClosure {
         if wi.z > 0.0 { self.reflectance } else { Spectrum::ZERO }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::{assert_finds, assert_same};
+    use etendue_document::{Fault, Severity};
+
+    #[test]
+    fn the_name_of_the_coated_materials_is_taken_too() {
+        assert_same(
+            r#"<bsdf type="diffuse"><rgb name="diffuse_reflectance" value="0.1, 0.2, 0.3"/></bsdf>"#,
+            r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.1, 0.2, 0.3"/></bsdf>"#,
+        );
+        assert_same(
+            r#"<bsdf type="diffuse"><float name="reflectance" value="0.5"/></bsdf>"#,
+            r#"<bsdf type="diffuse"/>"#,
+        );
+    }
+
+    #[test]
+    fn reflectances_out_of_range_are_found() {
+        assert_finds(
+            r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5, 1.5, 0.5"/></bsdf>"#,
+            Severity::Warning,
+            Fault::BadValue,
+            "above 1",
+        );
+        assert_finds(
+            r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5, -0.5, 0.5"/></bsdf>"#,
+            Severity::Error,
+            Fault::BadValue,
+            "negative",
+        );
+    }
+}

@@ -107,7 +107,9 @@ pub fn reflect(wi: Vec3, m: Vec3) -> Vec3 {
 #[inline]
 #[must_use]
 pub fn refract(wi: Vec3, m: Vec3, interface: &Interface) -> Vec3 {
-    m * (wi.dot(m) * interface.eta_ti + interface.cos_theta_t) - wi * interface.eta_ti
+    let wo = m * (wi.dot(m) * interface.eta_ti + interface.cos_theta_t) - wi * interface.eta_ti;
+    // Rounding errors of `wi` come out multiplied by the index.
+    wo.normalize()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
 use crate::texture::{ColorSource, ScalarSource, Textures};
-use etendue_document::{Class, Fault, Parameters, list_names, near_names};
+use etendue_document::{Class, Fault, Parameters, Value, list_names, near_names};
 use etendue_spectrum::{Spectrum, SpectrumUse, metal, metal_names};
 use glam::Vec2;
 use std::ops::RangeInclusive;
@@ -51,7 +51,7 @@ pub(super) fn scalar_within(
     }
 }
 
-/// The index inside over the index outside, from `int_ior` and `ext_ior`.
+/// The index inside over the index outside, from `int_ior` and `ext_ior`; from 0.001 to 1000.
 pub(super) fn relative_index(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -59,7 +59,13 @@ pub(super) fn relative_index(
 ) -> f32 {
     let inside = builder.refractive_index(parameters, "int_ior", default_inside);
     let outside = builder.refractive_index(parameters, "ext_ior", "air");
-    inside / outside
+    let eta = inside / outside;
+    if (1e-3..=1e3).contains(&eta) {
+        return eta;
+    }
+    let message = format!("`int_ior` is {eta} times `ext_ior`, which must be from 0.001 to 1000");
+    parameters.error(Fault::BadValue, "int_ior", message);
+    1.5
 }
 
 /// The same for a rough interface, which is none where both indices are equal: every direction of
@@ -81,7 +87,7 @@ pub(super) fn rough_relative_index(
 /// The roughness of a microfacet surface: `alpha`, `alpha_u`, `alpha_v`, `distribution` and
 /// `sample_visible`.
 #[derive(Clone, Copy, Debug)]
-pub struct Roughness {
+pub(super) struct Roughness {
     alpha_u: ScalarSource,
     alpha_v: ScalarSource,
     distribution: Distribution,
@@ -137,9 +143,8 @@ pub(super) fn distribution(parameters: &Parameters<'_>) -> (Distribution, Normal
         ("as", Distribution::Beckmann),
     ];
     let distribution = parameters.choice("distribution", Distribution::Beckmann, &choices);
-    if let Some(("phong" | "as", _)) =
-        parameters.value("distribution").and_then(|(value, span)| Some((as_text(value)?, span)))
-    {
+    let typed = parameters.value("distribution").map(|(value, _)| value);
+    if matches!(typed, Some(Value::String(name)) if name == "phong" || name == "as") {
         let message = "this distribution is rendered as `beckmann`, which is close to it";
         parameters.warning(Fault::Approximation, "distribution", message);
     }
@@ -150,16 +155,9 @@ pub(super) fn distribution(parameters: &Parameters<'_>) -> (Distribution, Normal
     (distribution, sampling)
 }
 
-fn as_text(value: &etendue_document::Value) -> Option<&str> {
-    match value {
-        etendue_document::Value::String(text) => Some(text),
-        _ => None,
-    }
-}
-
 /// The complex index of refraction of a metal: `material`, or `eta` and `k`.
 #[derive(Clone, Copy, Debug)]
-pub struct MetalIndex {
+pub(super) struct MetalIndex {
     eta: ColorSource,
     k: ColorSource,
     /// The index of what is around it, which divides both.
@@ -222,7 +220,7 @@ pub(super) fn coated_base(base: Spectrum, thrown_back: f32, shift: ColorShift) -
 
 /// Whether scattering inside a coat shifts the colour of its base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ColorShift {
+pub(super) enum ColorShift {
     /// Light that is thrown back is coloured at every bounce: darker, more saturated.
     Nonlinear,
     /// Light that is thrown back is replaced: the colour of the base is kept.

@@ -47,3 +47,49 @@ impl Mask {
         bsdf.push_null(placement.scaled(1.0 - opacity));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::Transport;
+    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
+    use crate::texture::Texture;
+    use etendue_document::{Fault, Severity};
+    use etendue_spectrum::Spectrum;
+    use glam::Vec3;
+
+    #[test]
+    fn the_ends_of_the_range_are_the_material_and_nothing() {
+        let mask = |opacity: &str| {
+            format!(
+                r#"<bsdf type="mask"><float name="opacity" value="{opacity}"/>
+                   <bsdf type="roughplastic"/></bsdf>"#
+            )
+        };
+        assert_same(&mask("1"), r#"<bsdf type="roughplastic"/>"#);
+        assert_same(&mask("0"), r#"<bsdf type="null"/>"#);
+    }
+
+    #[test]
+    fn opacities_out_of_range_are_found_or_limited() {
+        for value in ["1.5", "-0.1", "1e39"] {
+            assert_finds(
+                &format!(
+                    r#"<bsdf type="mask"><float name="opacity" value="{value}"/>
+                       <bsdf type="diffuse"/></bsdf>"#
+                ),
+                Severity::Error,
+                Fault::BadValue,
+                "opacity",
+            );
+        }
+        let mut material = TestMaterial::read(
+            r#"<bsdf type="mask"><texture name="opacity" type="checkerboard"/><bsdf type="diffuse"/></bsdf>"#,
+        );
+        for (texel, expected) in [(f32::NAN, 0.0), (-2.0, 0.0), (7.0, std::f32::consts::FRAC_1_PI)]
+        {
+            material.textures = vec![Texture::Constant(Spectrum::splat(texel))];
+            let (_, pdf) = material.bsdf(Vec3::Z).eval_pdf(Vec3::Z, Vec3::Z, Transport::Radiance);
+            assert!((pdf - expected).abs() < 1e-6, "{texel}: {pdf}");
+        }
+    }
+}

@@ -159,8 +159,9 @@ impl Microfacets {
     pub fn reflection(&self, wi: Vec3, wo: Vec3, m: Vec3) -> MicrofacetReflection {
         let cosine = wi.dot(m);
         let density = self.density(m);
+        let nothing = MicrofacetReflection { value: 0.0, pdf: 0.0 };
         if !(density > 0.0 && cosine > 0.0 && wo.dot(m) > 0.0) {
-            return MicrofacetReflection { value: 0.0, pdf: 0.0 };
+            return nothing;
         }
         let (masking_i, masking_o) = (self.masking_over_cosine(wi), self.masking_over_cosine(wo));
         let value = 0.25 * density * masking_i * (masking_o * wo.z);
@@ -169,7 +170,8 @@ impl Microfacets {
             NormalSampling::Visible => 0.25 * density * self.exact_masking_over_cosine(wi),
             NormalSampling::All => 0.25 * density * m.z / cosine,
         };
-        MicrofacetReflection { value, pdf }
+        // Among all normals there are some along which the Jacobian overflows.
+        if pdf.is_finite() { MicrofacetReflection { value, pdf } } else { nothing }
     }
 
     /// Chooses a microfacet normal. For an isotropic surface, `uniform.y` and 1 − `uniform.y` give
@@ -258,4 +260,74 @@ fn visible_beckmann_slope(cosine: f32, sine: f32, uniform: f32) -> f32 {
         slope = erf_inverse(x);
     }
     slope
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etendue_testkit::quadrature::integrate_hemisphere;
+    use etendue_testkit::{ChiSquare, TestRng};
+
+    fn distributions() -> impl Iterator<Item = Microfacets> {
+        [Distribution::Beckmann, Distribution::Ggx].into_iter().flat_map(|distribution| {
+            [NormalSampling::Visible, NormalSampling::All].into_iter().flat_map(move |sampling| {
+                [Vec2::splat(0.1), Vec2::splat(0.6), Vec2::new(0.5, 0.15)]
+                    .map(|alpha| Microfacets::new(distribution, sampling, alpha))
+            })
+        })
+    }
+
+    fn incident() -> [Vec3; 3] {
+        [0.0_f32, 50.0, 87.0].map(|degrees| {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            Vec3::new(0.8 * sine, -0.6 * sine, cosine)
+        })
+    }
+
+    #[test]
+    fn normals_follow_their_density() {
+        let test = ChiSquare { samples: 100_000, ..ChiSquare::one_of(36) };
+        for microfacets in distributions() {
+            for wi in incident() {
+                let sample =
+                    |random: &mut TestRng| Some(microfacets.sample(wi, random.next_vec2()));
+                let pdf = |m: Vec3| if m.z > 0.0 { microfacets.pdf(wi, m) } else { 0.0 };
+                let outcome = test.sphere(sample, pdf);
+                assert!(outcome.accepted(), "{microfacets:?} from {wi}: {outcome}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_normals_cover_the_surface_once() {
+        for microfacets in distributions() {
+            let covered = |m: Vec3| f64::from(microfacets.density(m) * m.z);
+            let area = integrate_hemisphere(covered, 1e-4);
+            assert!((area - 1.0).abs() < 1e-3, "{microfacets:?}: {area}");
+        }
+    }
+
+    /// What is seen of the microfacets covers what is seen of the surface (Heitz 2014, equation 14).
+    #[test]
+    fn masking_leaves_the_projected_area() {
+        for microfacets in distributions() {
+            for wi in incident() {
+                let exact = microfacets.exact_masking_over_cosine(wi);
+                let seen = |m: Vec3| f64::from(microfacets.density(m) * wi.dot(m).max(0.0));
+                let area = integrate_hemisphere(seen, 1e-4) * f64::from(exact);
+                assert!((area - 1.0).abs() < 1e-3, "{microfacets:?} from {wi}: {area}");
+                let fitted = microfacets.masking_over_cosine(wi);
+                assert!((fitted / exact - 1.0).abs() < 3.6e-3, "{microfacets:?} from {wi}");
+            }
+        }
+    }
+
+    #[test]
+    fn roughness_is_limited() {
+        for alpha in [0.0, -1.0, f32::NAN, 1e-9] {
+            let microfacets =
+                Microfacets::new(Distribution::Ggx, NormalSampling::Visible, Vec2::splat(alpha));
+            assert_eq!(microfacets.alpha, Vec2::splat(MIN_ALPHA));
+        }
+    }
 }

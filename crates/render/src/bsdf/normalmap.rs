@@ -134,3 +134,62 @@ impl Perturbation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::Transport;
+    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
+    use etendue_document::{Fault, Severity};
+    use glam::Vec3;
+
+    #[test]
+    fn a_flat_map_changes_nothing() {
+        for nested in [
+            r#"<bsdf type="roughconductor"><float name="alpha_u" value="0.4"/><float name="alpha_v" value="0.1"/></bsdf>"#,
+            r#"<bsdf type="roughdielectric"/>"#,
+            r#"<bsdf type="mask"><bsdf type="diffuse"/></bsdf>"#,
+        ] {
+            let map = r#"<rgb name="normalmap" value="0.5, 0.5, 1"/>"#;
+            assert_same(&format!(r#"<bsdf type="normalmap">{map}{nested}</bsdf>"#), nested);
+        }
+    }
+
+    #[test]
+    fn the_normal_is_that_of_the_map() {
+        let material = TestMaterial::read(
+            r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.8, 0.5, 0.9"/><bsdf type="diffuse"/></bsdf>"#,
+        );
+        let normal = material.bsdf(Vec3::Z).normal(Vec3::Z);
+        assert!((normal - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
+    }
+
+    #[test]
+    fn normals_that_face_away_are_turned_only_if_asked_for() {
+        let value = |flip: bool| {
+            let xml = format!(
+                r#"<bsdf type="normalmap"><rgb name="normalmap" value="1, 0.5, 0.6"/>
+                   <boolean name="flip_invalid_normals" value="{flip}"/><bsdf type="diffuse"/></bsdf>"#
+            );
+            let wi = Vec3::new(-0.9, 0.0, 0.19_f32.sqrt());
+            TestMaterial::read(&xml).bsdf(wi).eval_pdf(wi, wi, Transport::Radiance).0[0]
+        };
+        assert_eq!(value(false), 0.0);
+        assert!(value(true) > 0.0);
+    }
+
+    #[test]
+    fn without_a_map_or_a_material_it_is_refused() {
+        assert_finds(
+            r#"<bsdf type="normalmap"><bsdf type="diffuse"/></bsdf>"#,
+            Severity::Error,
+            Fault::MissingParameter,
+            "normalmap",
+        );
+        assert_finds(
+            r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.5, 0.5, 1"/></bsdf>"#,
+            Severity::Error,
+            Fault::MissingParameter,
+            "one material",
+        );
+    }
+}

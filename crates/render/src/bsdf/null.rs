@@ -64,3 +64,20 @@ impl Closure for NullClosure {
         Spectrum::ONE
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::TestMaterial;
+    use crate::bsdf::{Lobe, Transport};
+    use glam::{Vec2, Vec3};
+
+    #[test]
+    fn light_goes_straight_on() {
+        let material = TestMaterial::read(r#"<bsdf type="null"/>"#);
+        let wi = Vec3::new(0.6, 0.0, -0.8);
+        let bsdf = material.bsdf(wi);
+        assert!(!bsdf.has_smooth_lobe());
+        let sample = bsdf.sample(wi, 0.5, Vec2::ZERO, Transport::Radiance).expect("a sample");
+        assert_eq!((sample.wo, sample.lobe, sample.pdf), (-wi, Lobe::Null, 1.0));
+    }
+}

@@ -160,3 +160,39 @@ impl Closure for PlasticClosure {
         self.specular * (1.0 - entering) + self.base * (entering * leaving)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::Transport;
+    use crate::bsdf::testing::TestMaterial;
+    use glam::Vec3;
+
+    #[test]
+    fn scattering_inside_darkens_and_saturates() {
+        let base = r#"<rgb name="diffuse_reflectance" value="0.2, 0.5, 0.8"/>"#;
+        let value = |nonlinear: bool| {
+            let xml = format!(
+                r#"<bsdf type="plastic">{base}<boolean name="nonlinear" value="{nonlinear}"/></bsdf>"#
+            );
+            TestMaterial::read(&xml).bsdf(Vec3::Z).eval_pdf(Vec3::Z, Vec3::Z, Transport::Radiance).0
+        };
+        let (kept, shifted) = (value(false), value(true));
+        assert!((kept[2] / kept[0] - 4.0).abs() < 1e-4);
+        assert!(shifted[2] / shifted[0] > 4.5);
+        assert!((kept - shifted).min_component() > 0.0);
+    }
+
+    #[test]
+    fn a_coat_of_the_outer_index_is_not_there() {
+        let bare = TestMaterial::read(
+            r#"<bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/>
+               </bsdf>"#,
+        );
+        let matt = TestMaterial::read(r#"<bsdf type="diffuse"/>"#);
+        let wo = Vec3::new(0.6, 0.0, 0.8);
+        let [bare, matt] = [&bare, &matt]
+            .map(|material| material.bsdf(Vec3::Z).eval_pdf(Vec3::Z, wo, Transport::Radiance));
+        assert!((bare.0 - matt.0).abs().max_component() < 1e-6);
+        assert!((bare.1 - matt.1).abs() < 1e-6);
+    }
+}

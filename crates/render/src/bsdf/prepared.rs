@@ -451,4 +451,19 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn closures_stay_small() {
+        assert!(size_of::<AnyClosure<'_>>() <= 112, "{}", size_of::<AnyClosure<'_>>());
+    }
+
+    #[test]
+    fn bumps_shadow_grazing_light_most() {
+        let place = Placement::PLAIN.shadowed(Vec3::new(0.6, 0.0, 0.8));
+        let factor = |z: f32| place.shadow(Vec3::new((1.0 - z * z).sqrt(), 0.0, z));
+        assert_eq!(factor(1.0), 1.0);
+        assert_eq!(factor(0.0), 0.0);
+        assert!(factor(0.5) < factor(0.8));
+        assert_eq!(Placement::PLAIN.shadow(Vec3::X), 1.0);
+    }
 }

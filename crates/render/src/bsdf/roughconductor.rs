@@ -161,3 +161,68 @@ impl Closure for RoughConductorClosure {
         fresnel::conductor(wi.z, self.eta, self.k) * self.specular
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::{assert_finds, assert_same};
+    use etendue_document::{Fault, Severity};
+
+    #[test]
+    fn both_directions_default_to_alpha() {
+        assert_same(
+            r#"<bsdf type="roughconductor"><float name="alpha" value="0.2"/></bsdf>"#,
+            r#"<bsdf type="roughconductor"><float name="alpha_u" value="0.2"/>
+               <float name="alpha_v" value="0.2"/></bsdf>"#,
+        );
+        assert_same(
+            r#"<bsdf type="roughconductor"><float name="alpha" value="0.1"/>
+               <string name="distribution" value="beckmann"/></bsdf>"#,
+            r#"<bsdf type="roughconductor"/>"#,
+        );
+    }
+
+    #[test]
+    fn old_distributions_are_approximated_aloud() {
+        for name in ["phong", "as"] {
+            assert_finds(
+                &format!(
+                    r#"<bsdf type="roughconductor"><string name="distribution" value="{name}"/></bsdf>"#
+                ),
+                Severity::Warning,
+                Fault::Approximation,
+                "beckmann",
+            );
+        }
+    }
+
+    #[test]
+    fn roughness_out_of_range_is_found() {
+        for value in ["-0.1", "1e9", "1e39"] {
+            assert_finds(
+                &format!(
+                    r#"<bsdf type="roughconductor"><float name="alpha" value="{value}"/></bsdf>"#
+                ),
+                Severity::Error,
+                Fault::BadValue,
+                "alpha",
+            );
+        }
+    }
+
+    #[test]
+    fn one_direction_alone_or_all_three_are_found() {
+        assert_finds(
+            r#"<bsdf type="roughconductor"><float name="alpha_u" value="0.2"/></bsdf>"#,
+            Severity::Error,
+            Fault::MissingParameter,
+            "alpha_v",
+        );
+        assert_finds(
+            r#"<bsdf type="roughconductor"><float name="alpha_u" value="0.2"/>
+               <float name="alpha_v" value="0.2"/><float name="alpha" value="0.2"/></bsdf>"#,
+            Severity::Error,
+            Fault::BadValue,
+            "either",
+        );
+    }
+}

@@ -125,14 +125,18 @@ impl Facing<'_> {
     #[inline]
     fn eval_pdf_at(&self, wo: Vec3, m: Vec3, transport: Transport) -> (Spectrum, f32) {
         let reflected = fresnel::dielectric(self.wi.dot(m), self.eta).reflectance;
-        if wo.z > 0.0 {
-            let (value, pdf) = self.reflection(wo, m);
-            return (self.closure.reflectance * (reflected * value), reflected * pdf);
+        let (tint, share, (value, pdf)) = if wo.z > 0.0 {
+            (self.closure.reflectance, reflected, self.reflection(wo, m))
+        } else {
+            let tint = self.closure.transmittance * radiance_scale(1.0 / self.eta, transport);
+            (tint, 1.0 - reflected, self.transmission(wo, m))
+        };
+        // The Jacobians overflow along grazing microfacets, and straight on where the indices are
+        // nearly equal.
+        if !(value.is_finite() && pdf.is_finite()) {
+            return (Spectrum::ZERO, 0.0);
         }
-        let (value, pdf) = self.transmission(wo, m);
-        let transmitted = 1.0 - reflected;
-        let scale = radiance_scale(1.0 / self.eta, transport);
-        (self.closure.transmittance * (transmitted * value * scale), transmitted * pdf)
+        (tint * (share * value), share * pdf)
     }
 
     #[inline]
@@ -155,9 +159,7 @@ impl Facing<'_> {
         let masking = microfacets.masking_over_cosine(self.wi)
             * (microfacets.masking_over_cosine(wo) * -wo.z);
         let value = microfacets.density(m) * masking * cos_i * jacobian;
-        let pdf = self.sampled.pdf(self.wi, m) * jacobian;
-        // Where the indices are nearly equal the Jacobian overflows at the straight direction.
-        if value.is_finite() && pdf.is_finite() { (value, pdf) } else { (0.0, 0.0) }
+        (value, self.sampled.pdf(self.wi, m) * jacobian)
     }
 }
 
@@ -209,5 +211,47 @@ impl Closure for RoughDielectricClosure {
     fn albedo(&self, wi: Vec3) -> Spectrum {
         let reflected = fresnel::dielectric(wi.z, self.eta).reflectance;
         self.reflectance * reflected + self.transmittance * (1.0 - reflected)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::Transport;
+    use crate::bsdf::testing::{TestMaterial, assert_finds};
+    use etendue_document::{Fault, Severity};
+    use etendue_testkit::TestRng;
+
+    #[test]
+    fn equal_indices_are_no_interface() {
+        assert_finds(
+            r#"<bsdf type="roughdielectric"><string name="int_ior" value="air"/></bsdf>"#,
+            Severity::Error,
+            Fault::BadValue,
+            "must differ",
+        );
+    }
+
+    #[test]
+    fn transmitted_radiance_is_importance_over_the_squared_index() {
+        let glass = TestMaterial::read(
+            r#"<bsdf type="roughdielectric"><float name="alpha" value="0.5"/>
+               <float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf>"#,
+        );
+        let mut random = TestRng::new(8);
+        let mut transmitted = 0;
+        for _ in 0..1000 {
+            let (wi, wo) = (random.unit_vector(), random.unit_vector());
+            let bsdf = glass.bsdf(wi);
+            let value = |transport| bsdf.eval_pdf(wi, wo, transport).0[0];
+            let (radiance, importance) = (value(Transport::Radiance), value(Transport::Importance));
+            let scale = match (wi.z > 0.0, wo.z > 0.0) {
+                (true, false) => 1.0 / 2.25,
+                (false, true) => 2.25,
+                _ => 1.0,
+            };
+            transmitted += usize::from(scale != 1.0 && importance > 0.0);
+            assert!((radiance - scale * importance).abs() <= 1e-5 * radiance);
+        }
+        assert!(transmitted > 50);
     }
 }

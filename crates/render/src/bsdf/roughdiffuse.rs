@@ -11,7 +11,7 @@ use etendue_math::safe_acos;
 use etendue_sampling::warp::cosine_hemisphere;
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_SQRT_2, FRAC_2_PI};
+use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_2_PI};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -107,17 +107,23 @@ pub struct RoughDiffuseClosure {
     form: Form,
 }
 
-/// The angles of a pair of directions as the model names them.
+/// A pair of directions as the model names their angles: α is the larger polar angle, β the
+/// smaller one. Tangents come multiplied by cos θo, which keeps them finite at grazing angles.
 struct Angles {
-    /// The sine of the larger polar angle.
+    alpha: f32,
+    beta: f32,
     sin_alpha: f32,
-    /// The tangent of the smaller polar angle.
-    tan_beta: f32,
     /// The cosine of the difference in azimuth; zero where it has none.
     cos_phi: f32,
+    cos_o: f32,
+    /// tan β cos θo.
+    tan_beta: f32,
+    /// tan((α + β) / 2) cos θo.
+    tan_half: f32,
 }
 
 impl Angles {
+    #[inline]
     fn new(wi: Vec3, wo: Vec3) -> Self {
         let (sin_i, sin_o) = (wi.truncate().length(), wo.truncate().length());
         let product = sin_i * sin_o;
@@ -126,41 +132,45 @@ impl Angles {
         } else {
             0.0
         };
-        let (sin_alpha, tan_beta) =
-            if wi.z > wo.z { (sin_o, sin_i / wi.z) } else { (sin_i, sin_o / wo.z) };
-        Self { sin_alpha, tan_beta, cos_phi }
+        let (cos_alpha, cos_beta) = (wi.z.min(wo.z), wi.z.max(wo.z));
+        let (sin_alpha, sin_beta) = (sin_i.max(sin_o), sin_i.min(sin_o));
+        Self {
+            alpha: safe_acos(cos_alpha),
+            beta: safe_acos(cos_beta),
+            sin_alpha,
+            cos_phi,
+            cos_o: wo.z,
+            tan_beta: sin_beta * (wo.z / cos_beta),
+            tan_half: (sin_alpha + sin_beta) * (wo.z / (cos_alpha + cos_beta)),
+        }
     }
 }
 
 impl RoughDiffuseClosure {
-    /// The factor on a Lambertian surface's value; Oren and Nayar 1994, equation 30.
+    /// π times the value; Oren and Nayar 1994, equation 30.
+    #[inline]
     fn short(&self, angles: &Angles) -> Spectrum {
         let variance = self.variance;
         let flat = 1.0 - 0.5 * variance / (variance + 0.33);
         let towards = 0.45 * variance / (variance + 0.09);
-        let factor = flat + towards * angles.cos_phi.max(0.0) * angles.sin_alpha * angles.tan_beta;
-        self.reflectance * factor
+        let towards = towards * angles.cos_phi.max(0.0) * angles.sin_alpha;
+        self.reflectance * (flat * angles.cos_o + towards * angles.tan_beta)
     }
 
-    /// The same; their equations 27 to 29.
-    fn full(&self, wi: Vec3, wo: Vec3, angles: &Angles) -> Spectrum {
+    /// π times the value; equations 27 to 29.
+    #[inline]
+    fn full(&self, angles: &Angles) -> Spectrum {
         let variance = self.variance;
-        let (larger, smaller) = (safe_acos(wi.z.min(wo.z)), safe_acos(wi.z.max(wo.z)));
+        let (alpha, beta) = (angles.alpha * FRAC_2_PI, angles.beta * FRAC_2_PI);
         let c1 = 1.0 - 0.5 * variance / (variance + 0.33);
-        let mut c2 = 0.45 * variance / (variance + 0.09);
-        let product = larger * smaller * FRAC_2_PI * FRAC_2_PI;
-        let c3 = 0.125 * variance / (variance + 0.09) * product * product;
+        let behind = if angles.cos_phi > 0.0 { 0.0 } else { beta * beta * beta };
+        let c2 = 0.45 * variance / (variance + 0.09) * (angles.sin_alpha - behind);
+        let c3 = 0.125 * variance / (variance + 0.09) * (alpha * beta) * (alpha * beta);
         let c4 = 0.17 * variance / (variance + 0.13);
-        let opposite = smaller * FRAC_2_PI;
-        c2 *= match angles.cos_phi > 0.0 {
-            true => angles.sin_alpha,
-            false => angles.sin_alpha - opposite * opposite * opposite,
-        };
-        let tan_half = (0.5 * (larger + smaller)).tan();
-        let single = c1
+        let single = c1 * angles.cos_o
             + angles.cos_phi * c2 * angles.tan_beta
-            + (1.0 - angles.cos_phi.abs()) * c3 * tan_half;
-        let double = c4 * (1.0 - angles.cos_phi * opposite * opposite);
+            + (1.0 - angles.cos_phi.abs()) * c3 * angles.tan_half;
+        let double = c4 * (1.0 - angles.cos_phi * beta * beta) * angles.cos_o;
         self.reflectance * single + self.reflectance * self.reflectance * double
     }
 }
@@ -173,12 +183,12 @@ impl Closure for RoughDiffuseClosure {
         }
         let pdf = cosine_hemisphere::pdf(wo);
         let angles = Angles::new(wi, wo);
-        let factor = match self.form {
-            Form::Full => self.full(wi, wo, &angles),
+        let value = match self.form {
+            Form::Full => self.full(&angles),
             Form::Short => self.short(&angles),
         };
         // The fit dips below zero where both directions graze.
-        ((factor * pdf).max(Spectrum::ZERO), pdf)
+        ((value * FRAC_1_PI).max(Spectrum::ZERO), pdf)
     }
 
     #[inline]
@@ -205,5 +215,54 @@ impl Closure for RoughDiffuseClosure {
 
     fn albedo(&self, wi: Vec3) -> Spectrum {
         if wi.z > 0.0 { self.reflectance } else { Spectrum::ZERO }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::Transport;
+    use crate::bsdf::testing::TestMaterial;
+    use etendue_testkit::TestRng;
+    use glam::Vec3;
+
+    fn value(xml: &str, wi: Vec3, wo: Vec3) -> f32 {
+        TestMaterial::read(xml).bsdf(wi).eval_pdf(wi, wo, Transport::Radiance).0[0]
+    }
+
+    #[test]
+    fn without_roughness_it_is_lamberts() {
+        let mut random = TestRng::new(9);
+        for form in ["true", "false"] {
+            let xml = format!(
+                r#"<bsdf type="roughdiffuse"><float name="alpha" value="0"/>
+                   <boolean name="use_fast_approx" value="{form}"/></bsdf>"#
+            );
+            for _ in 0..20 {
+                let (wi, wo) = (random.unit_vector(), random.unit_vector());
+                let matt = value(r#"<bsdf type="diffuse"/>"#, wi, wo);
+                assert!((value(&xml, wi, wo) - matt).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn it_throws_light_back_to_where_it_came_from() {
+        let xml = r#"<bsdf type="roughdiffuse"><float name="alpha" value="0.7"/></bsdf>"#;
+        let wi = Vec3::new(0.8, 0.0, 0.6);
+        let back = value(xml, wi, wi);
+        assert!(back > value(r#"<bsdf type="diffuse"/>"#, wi, wi));
+        assert!(back > 1.3 * value(xml, wi, Vec3::new(-0.8, 0.0, 0.6)));
+    }
+
+    #[test]
+    fn the_short_form_has_the_value_of_its_formula() {
+        // σ² = 0.125, both at 45°, azimuths equal: A + B sin 45° tan 45°.
+        let xml = r#"<bsdf type="roughdiffuse"><float name="alpha" value="0.5"/>
+            <boolean name="use_fast_approx" value="true"/></bsdf>"#;
+        let wi = Vec3::new(0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt());
+        let (a, b) = (1.0 - 0.5 * 0.125 / 0.455, 0.45 * 0.125 / 0.215);
+        let cosine = 0.5_f32.sqrt();
+        let expected = 0.5 * std::f32::consts::FRAC_1_PI * cosine * (a + b * cosine);
+        assert!((value(xml, wi, wi) - expected).abs() < 1e-6);
     }
 }

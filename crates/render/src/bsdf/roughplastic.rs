@@ -173,3 +173,33 @@ impl Closure for RoughPlasticClosure<'_> {
         self.specular * (1.0 - entering) + self.base * (entering * leaving)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::{TestMaterial, assert_finds};
+    use crate::texture::Texture;
+    use etendue_document::{Fault, Severity};
+    use glam::Vec3;
+
+    #[test]
+    fn a_texture_of_the_roughness_is_averaged_aloud() {
+        assert_finds(
+            r#"<bsdf type="roughplastic"><texture name="alpha" type="checkerboard"/></bsdf>"#,
+            Severity::Warning,
+            Fault::Approximation,
+            "mean",
+        );
+    }
+
+    #[test]
+    fn textures_are_read_at_the_hit() {
+        let mut material = TestMaterial::read(
+            r#"<bsdf type="roughplastic"><texture name="diffuse_reflectance" type="checkerboard"/></bsdf>"#,
+        );
+        let bright = material.bsdf(Vec3::Z).albedo(Vec3::Z);
+        material.textures = vec![Texture::Constant(etendue_spectrum::Spectrum::ZERO)];
+        let black = material.bsdf(Vec3::Z).albedo(Vec3::Z);
+        // Without its base the coat alone reflects some 4 %.
+        assert!(black[0] > 0.03 && black[0] < 0.05 && bright[0] > 0.2, "{black:?} {bright:?}");
+    }
+}

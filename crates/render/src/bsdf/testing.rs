@@ -1,13 +1,16 @@
 //! Materials from XML, for tests.
 
-use super::{Bsdf, Material, Materials};
+use super::{Bsdf, Material, Materials, Transport};
 use crate::builder::{Assets, BuildOptions, Builder};
 use crate::ids::{MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use crate::texture::{Texture, Textures};
-use etendue_document::{Class, Diagnostic, Diagnostics, Document, MemoryResources};
+use etendue_document::{
+    Class, Diagnostic, Diagnostics, Document, Fault, MemoryResources, Severity,
+};
 use etendue_math::Frame;
 use etendue_mitsuba::LoadOptions;
+use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
 
 /// A material with everything it refers to.
@@ -28,14 +31,41 @@ impl TestMaterial {
 
     /// The resolved scattering at [`surface`].
     pub(crate) fn bsdf(&self, wi: Vec3) -> Bsdf<'_> {
+        self.bsdf_at(&surface(wi))
+    }
+
+    /// The resolved scattering at a hit.
+    pub(crate) fn bsdf_at(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
         let materials = Materials { materials: &self.materials };
-        materials.prepare(self.root, Textures(&self.textures), &surface(wi))
+        materials.prepare(self.root, Textures(&self.textures), surface)
     }
 }
 
-/// The messages that building the material of a `<bsdf>` element leads to.
-pub(crate) fn messages(xml: &str) -> Vec<String> {
-    read(xml).1.into_iter().map(|found| found.message).collect()
+/// Asserts that building the material of a `<bsdf>` element finds one fault, of this kind, and that
+/// its message holds `words`.
+#[track_caller]
+pub(crate) fn assert_finds(xml: &str, severity: Severity, fault: Fault, words: &str) {
+    let found = read(xml).1;
+    let [only] = found.as_slice() else { panic!("{xml}: {found:#?}") };
+    let agree = (only.severity, only.fault) == (severity, fault) && only.message.contains(words);
+    assert!(agree, "{xml}: {only:#?}");
+}
+
+/// Asserts that two materials scatter alike.
+#[track_caller]
+pub(crate) fn assert_same(first: &str, second: &str) {
+    let materials = [first, second].map(TestMaterial::read);
+    let mut random = TestRng::new(7);
+    for _ in 0..200 {
+        let (wi, wo) = (random.unit_vector(), random.unit_vector());
+        let values = materials.each_ref().map(|material| {
+            let bsdf = material.bsdf(wi);
+            let sample = bsdf.sample(wi, 0.3, Vec2::new(0.2, 0.6), Transport::Radiance);
+            let sample = sample.map(|sample| (sample.wo, sample.weight, sample.pdf, sample.eta));
+            (bsdf.eval_pdf(wi, wo, Transport::Radiance), sample)
+        });
+        assert_eq!(values[0], values[1], "{first} and {second} from {wi} to {wo}");
+    }
 }
 
 fn read(xml: &str) -> (Option<TestMaterial>, Vec<Diagnostic>) {

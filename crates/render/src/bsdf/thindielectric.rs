@@ -109,3 +109,29 @@ impl Closure for ThinDielectricClosure {
         self.reflectance * reflected + self.transmittance * (1.0 - reflected)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::TestMaterial;
+    use crate::bsdf::{Lobe, Transport};
+    use glam::{Vec2, Vec3};
+
+    #[test]
+    fn the_bounces_within_the_pane_add_up() {
+        let pane = TestMaterial::read(
+            r#"<bsdf type="thindielectric"><float name="int_ior" value="1.5"/>
+               <float name="ext_ior" value="1"/></bsdf>"#,
+        );
+        // One face reflects 4 %: R + T² R (1 + R² + R⁴ + …).
+        let series =
+            (0..20).fold(0.04, |sum, bounce| sum + 0.96 * 0.96 * 0.04_f64.powi(2 * bounce + 1));
+        for wi in [Vec3::Z, -Vec3::Z] {
+            let sample = pane.bsdf(wi).sample(wi, 0.0, Vec2::ZERO, Transport::Radiance);
+            let sample = sample.expect("a reflection");
+            assert!((f64::from(sample.pdf) - series).abs() < 1e-6);
+            let through = pane.bsdf(wi).sample(wi, 0.9, Vec2::ZERO, Transport::Radiance);
+            let through = through.expect("a transmission");
+            assert_eq!((through.wo, through.lobe, through.eta), (-wi, Lobe::Null, 1.0));
+        }
+    }
+}

@@ -72,3 +72,43 @@ impl TwoSided {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::assert_finds;
+    use etendue_document::{Fault, Severity};
+
+    #[test]
+    fn materials_that_let_light_through_are_refused() {
+        for nested in [
+            r#"<bsdf type="dielectric"/>"#,
+            r#"<bsdf type="mask"><bsdf type="diffuse"/></bsdf>"#,
+            r#"<bsdf type="blendbsdf"><bsdf type="diffuse"/><bsdf type="thindielectric"/></bsdf>"#,
+            r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.5"/><bsdf type="null"/></bsdf>"#,
+        ] {
+            assert_finds(
+                &format!(r#"<bsdf type="twosided">{nested}</bsdf>"#),
+                Severity::Error,
+                Fault::BadValue,
+                "lets light through",
+            );
+        }
+    }
+
+    #[test]
+    fn none_and_three_nested_materials_are_refused() {
+        assert_finds(
+            r#"<bsdf type="twosided"/>"#,
+            Severity::Error,
+            Fault::MissingParameter,
+            "1 or 2 materials",
+        );
+        let nested = r#"<bsdf type="diffuse"/>"#.repeat(3);
+        assert_finds(
+            &format!(r#"<bsdf type="twosided">{nested}</bsdf>"#),
+            Severity::Error,
+            Fault::BadValue,
+            "not 3",
+        );
+    }
+}

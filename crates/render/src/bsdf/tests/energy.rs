@@ -6,19 +6,30 @@ use crate::bsdf::{Bsdf, Transport};
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 
-/// The mean weight of samples over a grid of 64³ uniform numbers: the albedo. Importance is
-/// conserved at refraction, radiance is not.
+/// How far the estimates of [`albedo`] may be off.
+const ERROR: f32 = 1e-3;
+
+/// The mean weight of samples: the albedo. Importance is conserved at refraction, radiance is not.
+///
+/// The uniform numbers are Roberts' sequence, the multiples of the powers of the root of
+/// x⁴ = x + 1, whose error falls nearly as 1 / N.
 fn albedo(bsdf: &Bsdf<'_>, wi: Vec3) -> Spectrum {
-    const STEPS: u16 = 64;
-    let steps = || (0..STEPS).map(|step| (f32::from(step) + 0.5) / f32::from(STEPS));
-    let mut sum = Spectrum::ZERO;
-    for lobe in steps() {
-        for direction in steps().flat_map(|x| steps().map(move |y| Vec2::new(x, y))) {
-            let sample = bsdf.sample(wi, lobe, direction, Transport::Importance);
-            sum += sample.map_or(Spectrum::ZERO, |sample| sample.weight);
+    const COUNT: u32 = 1 << 17;
+    let root = 1.220_744_084_605_76_f64;
+    let mut sum = [0.0_f64; Spectrum::LANES];
+    for index in 0..COUNT {
+        let coordinate = |power: i32| {
+            let exact = (0.5 + f64::from(index) * root.powi(-power)).fract();
+            (exact as f32).min(1.0 - f32::EPSILON / 2.0)
+        };
+        let direction = Vec2::new(coordinate(2), coordinate(3));
+        let sample = bsdf.sample(wi, coordinate(1), direction, Transport::Importance);
+        let weight = sample.map_or(Spectrum::ZERO, |sample| sample.weight);
+        for (sum, weight) in sum.iter_mut().zip(weight.rgb()) {
+            *sum += f64::from(weight);
         }
     }
-    sum / f32::from(STEPS).powi(3)
+    Spectrum::from_rgb(sum.map(|sum| (sum / f64::from(COUNT)) as f32))
 }
 
 #[test]
@@ -31,7 +42,7 @@ fn nothing_gives_off_more_light_than_it_gets() {
                 // Oren and Nayar's fit goes beyond at grazing angles; here the facets have 0.5.
                 0.7
             } else {
-                1.0 + 2e-3
+                1.0 + ERROR
             };
             assert!(albedo.max_component() <= bound, "{} from {wi}: {albedo:?}", configuration.xml);
         }
@@ -48,10 +59,9 @@ fn lossless_materials_give_back_all_of_it() {
                 assert!(wi.z < 0.0, "{} is black from the front", configuration.xml);
                 continue;
             }
-            // The grid is off by the lobe it cuts: one 64th of a lobe's probability at most, where
-            // the two lobes' weights differ.
             let albedo = albedo(&bsdf, wi);
-            let tolerance = if configuration.xml.contains("plastic") { 1.0 / 64.0 } else { 1e-5 };
+            // Where every weight is one there is nothing to estimate.
+            let tolerance = if configuration.xml.contains("plastic") { ERROR } else { 1e-6 };
             let off = (albedo - Spectrum::ONE).abs().max_component();
             assert!(off <= tolerance, "{} from {wi}: {albedo:?}", configuration.xml);
         }
@@ -71,12 +81,12 @@ fn rough_surfaces_lose_more_the_rougher_they_are() {
             };
             let wi = Vec3::new(0.6, 0.0, 0.8);
             let albedos = [0.01, 0.1, 0.3, 0.5, 0.8].map(|alpha| albedo(alpha, wi));
-            assert!((albedos[0] - 1.0).abs() < 2e-3, "{plugin} {distribution}: {albedos:?}");
+            assert!((albedos[0] - 1.0).abs() < ERROR, "{plugin} {distribution}: {albedos:?}");
             assert!(
-                albedos.windows(2).all(|pair| pair[1] < pair[0] + 1e-3),
+                albedos.windows(2).all(|pair| pair[1] < pair[0] + ERROR),
                 "{plugin} {distribution}: {albedos:?}"
             );
-            assert!(albedos[4] < 0.95, "{plugin} {distribution}: {albedos:?}");
+            assert!(albedos[4] < 0.98, "{plugin} {distribution}: {albedos:?}");
         }
     }
 }
@@ -84,16 +94,15 @@ fn rough_surfaces_lose_more_the_rougher_they_are() {
 #[test]
 fn the_albedo_of_smooth_materials_is_what_they_say() {
     for configuration in CONFIGURATIONS {
-        let smooth = ["rough", "normalmap", "bumpmap"].iter().all(|name| !configuration.xml.contains(name));
-        if !smooth {
+        let estimated = ["rough", "normalmap", "bumpmap"];
+        if estimated.iter().any(|name| configuration.xml.contains(name)) {
             continue;
         }
         let material = configuration.material();
         for wi in incident() {
             let bsdf = material.bsdf(wi);
             let off = (bsdf.albedo(wi) - albedo(&bsdf, wi)).abs().max_component();
-            // The grid's error as above.
-            assert!(off < 1.0 / 64.0, "{} from {wi}: {:?}", configuration.xml, bsdf.albedo(wi));
+            assert!(off < ERROR, "{} from {wi}: {:?}", configuration.xml, bsdf.albedo(wi));
         }
     }
 }

@@ -53,7 +53,7 @@ fn compare_eval(material: &TestMaterial, xml: &str, numbers: &[f32]) -> Option<S
     };
     // Where normals are Beckmann's, Mitsuba's density holds the fit of the masking (0.35 %).
     let fitted = xml.contains("\"rough") && !xml.contains("\"ggx\"");
-    let pdf_tolerance = if fitted { 4e-3 } else { RELATIVE };
+    let pdf_tolerance = if fitted { 4e-3 } else { value_tolerance };
     let expected = &numbers[6..9];
     let agree = value.rgb().iter().zip(expected).all(|(a, e)| near(*a, *e, value_tolerance))
         && near(pdf, numbers[9], pdf_tolerance);

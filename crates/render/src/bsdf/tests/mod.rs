@@ -63,7 +63,7 @@ const CONFIGURATIONS: &[Configuration] = &[
     plain(r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.4"/></bsdf>"#),
     plain(r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="ggx"/></bsdf><bsdf type="diffuse"/></bsdf>"#),
     plain(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="roughplastic"/></bsdf>"#),
-    lossless(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="conductor"/></bsdf>"#),
+    lossless(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="twosided"><bsdf type="conductor"/></bsdf></bsdf>"#),
     plain(r#"<bsdf type="blendbsdf"><float name="weight" value="0.6"/><bsdf type="plastic"/><bsdf type="roughdielectric"/></bsdf>"#),
     plain(r#"<bsdf type="blendbsdf"><float name="weight" value="0.3"/><bsdf type="diffuse"/><bsdf type="mask"><bsdf type="roughconductor"/></bsdf></bsdf>"#),
     one_way(r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.7, 0.4, 0.9"/><bsdf type="roughplastic"/></bsdf>"#),
