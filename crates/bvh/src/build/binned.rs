@@ -7,6 +7,7 @@ use super::MAX_COST_DEPTH;
 use super::collapse::{Costs, Plan};
 use super::reference::Reference;
 use crate::memory::vector_with_capacity;
+use crate::node::WIDTH;
 use crate::options::BuildOptions;
 use etendue_math::Bounds3;
 use glam::{BVec4A, Vec3, Vec4};
@@ -89,6 +90,7 @@ const PARALLEL: usize = 4096;
 /// What the recursion carries along unchanged.
 struct Builder {
     bin_count: usize,
+    leaf_size: usize,
     node_cost: f32,
 }
 
@@ -119,6 +121,7 @@ pub(super) fn build(references: &mut [Reference], options: &BuildOptions) -> Vec
     nodes.resize(2 * references.len() - 1, BinaryNode::default());
     let builder = Builder {
         bin_count: (options.bin_count as usize).clamp(2, MAX_BINS),
+        leaf_size: (options.leaf_size as usize).clamp(1, WIDTH),
         node_cost: options.node_cost,
     };
     let extent = Extent::of(references);
@@ -135,8 +138,9 @@ impl Builder {
         node.max = extent.bounds.max.truncate();
         (node.first, node.count) = (first as u32, count as u32);
         let area = extent.bounds.half_area();
-        if count == 1 {
-            let custom_count = usize::from(references[0].is_custom());
+        let few = if count <= self.leaf_size { &*references } else { &[] };
+        let custom_count = few.iter().filter(|reference| reference.is_custom()).count();
+        if count == 1 || (count <= self.leaf_size && custom_count == 0) {
             return Finished { costs: Costs::leaf(area), custom_count };
         }
         let (middle, [left_extent, right_extent]) = self.split(references, &extent, depth);

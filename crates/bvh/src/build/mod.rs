@@ -2,6 +2,7 @@
 
 mod binned;
 mod collapse;
+mod presplit;
 mod reference;
 
 use crate::bvh::Bvh;
@@ -25,6 +26,7 @@ pub(crate) fn build(
 ) -> Result<Bvh, BuildError> {
     let instances = place_instances(geometries)?;
     let mut references = reference::collect(geometries, &instances)?;
+    presplit::presplit(&mut references, geometries, options.split_budget);
     if references.len() >= Child::MAX_BLOCKS {
         return Err(BuildError::TooManyPrimitives);
     }

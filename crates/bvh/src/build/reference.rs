@@ -50,6 +50,15 @@ impl Reference {
         self.max.w.to_bits()
     }
 
+    pub(super) fn bounds(&self) -> Bounds3 {
+        Bounds3::new(self.min.truncate(), self.max.truncate())
+    }
+
+    /// The same with another box.
+    pub(super) fn with_bounds(self, bounds: Bounds3) -> Self {
+        Self { min: bounds.min.extend(self.min.w), max: bounds.max.extend(self.max.w) }
+    }
+
     /// The centre of the box; the fourth component means nothing.
     #[inline(always)]
     pub(super) fn center(&self) -> Vec4 {

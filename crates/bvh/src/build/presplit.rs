@@ -1,0 +1,165 @@
+//! Spatial splits: large slanted triangles are cut into several references before the build, each
+//! with a box around a part.
+//!
+//! Karras and Aila, *Fast Parallel Construction of High-Quality Bounding Volume Hierarchies* (HPG
+//! 2013), section 4.3: the splits go where boxes are emptiest, and cut at planes of a grid over the
+//! scene, so that neighbouring triangles are cut at the same places.
+
+use super::reference::Reference;
+use crate::geometry::GeometryView;
+use etendue_math::Bounds3;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// The grid has 2 to this power cells on each axis.
+const GRID_BITS: i32 = 16;
+
+/// Replaces references by at most `budget` more, as a part of their number.
+pub(super) fn presplit(
+    references: &mut Vec<Reference>,
+    geometries: &[GeometryView<'_>],
+    budget: f32,
+) {
+    if !(budget > 0.0) || references.is_empty() {
+        return;
+    }
+    let corners = |reference: &Reference| triangle_of(reference, geometries);
+    let priorities: Vec<f64> = references
+        .par_iter()
+        .map(|reference| corners(reference).map_or(0.0, |t| emptiness(reference, &t).cbrt()))
+        .collect();
+    // In the order of the references, so that threads do not change the sum.
+    let total: f64 = priorities.iter().sum();
+    if !(total > 0.0 && total.is_finite()) {
+        return;
+    }
+    let per_priority = f64::from(budget) * references.len() as f64 / total;
+    let scene = references.iter().fold(Bounds3::EMPTY, |all, r| all.union(r.bounds()));
+    let grid = Grid::new(&scene);
+    let split: Vec<Vec<Reference>> = references
+        .par_iter()
+        .zip(&priorities)
+        .map(|(reference, priority)| {
+            let splits = (priority * per_priority) as usize;
+            let mut parts = Vec::new();
+            match corners(reference) {
+                Some(triangle) if splits > 0 => {
+                    cut(*reference, &triangle, (&grid, splits.min(MAX_SPLITS)), &mut parts);
+                }
+                _ => parts.push(*reference),
+            }
+            parts
+        })
+        .collect();
+    references.clear();
+    references.extend(split.into_iter().flatten());
+}
+
+/// No triangle is cut more often; this also bounds the recursion.
+const MAX_SPLITS: usize = 256;
+
+fn triangle_of(reference: &Reference, geometries: &[GeometryView<'_>]) -> Option<[DVec3; 3]> {
+    let GeometryView::Triangles(mesh) = geometries.get(reference.geometry() as usize)? else {
+        return None;
+    };
+    let corners = mesh.indices.get(reference.primitive() as usize)?;
+    Some(corners.map(|index| mesh.positions[index as usize].as_dvec3()))
+}
+
+/// How much smaller than the box's half area the best boxes around tiny parts could get.
+fn emptiness(reference: &Reference, [a, b, c]: &[DVec3; 3]) -> f64 {
+    let projected = (b - a).cross(c - a).abs() * 0.5;
+    let ideal = projected.x + projected.y + projected.z;
+    (f64::from(reference.bounds().half_area()) - ideal).max(0.0)
+}
+
+/// The planes at which triangles are cut.
+struct Grid {
+    origin: Vec3,
+    cell: Vec3,
+}
+
+impl Grid {
+    fn new(scene: &Bounds3) -> Self {
+        let cells = (1_u32 << GRID_BITS) as f32;
+        Self { origin: scene.min, cell: scene.extent() / cells }
+    }
+
+    /// The plane of the coarsest grid that passes through the inside of the interval, or its
+    /// middle.
+    fn plane(&self, axis: usize, least: f32, greatest: f32) -> f32 {
+        let (origin, cell) = (self.origin[axis], self.cell[axis]);
+        let number = |place: f32| ((place - origin) / cell) as u32;
+        let (first, last) = (number(least), number(greatest));
+        let middle = least * 0.5 + greatest * 0.5;
+        let Some(bit) = (first ^ last).checked_ilog2() else { return middle };
+        let plane = origin + (last >> bit << bit) as f32 * cell;
+        if plane > least && plane < greatest { plane } else { middle }
+    }
+}
+
+/// Cuts a reference and distributes the remaining splits by the sizes of the parts. Every level
+/// uses up a split, so the recursion is at most [`MAX_SPLITS`] deep.
+fn cut(
+    reference: Reference,
+    triangle: &[DVec3; 3],
+    (grid, splits): (&Grid, usize),
+    parts: &mut Vec<Reference>,
+) {
+    let bounds = reference.bounds();
+    let extent = bounds.extent();
+    let axis = if extent.x >= extent.y && extent.x >= extent.z {
+        0
+    } else if extent.y >= extent.z {
+        1
+    } else {
+        2
+    };
+    let plane = grid.plane(axis, bounds.min[axis], bounds.max[axis]);
+    let [left, right] = halves(triangle, axis, plane).map(|half| half.intersection(bounds));
+    if splits == 0 || left.is_empty() || right.is_empty() {
+        parts.push(reference);
+        return;
+    }
+    let (left_size, right_size) = (left.half_area(), right.half_area());
+    let whole = (left_size + right_size).max(f32::MIN_POSITIVE);
+    let to_left = ((splits - 1) as f32 * left_size / whole).round() as usize;
+    let to_left = to_left.min(splits - 1);
+    cut(reference.with_bounds(left), triangle, (grid, to_left), parts);
+    cut(reference.with_bounds(right), triangle, (grid, splits - 1 - to_left), parts);
+}
+
+/// Boxes around the parts of a triangle on the two sides of a plane. A coordinate where an edge
+/// meets the plane is off by one rounding, for which the enlargement of boxes has room.
+fn halves(triangle: &[DVec3; 3], axis: usize, plane: f32) -> [Bounds3; 2] {
+    let mut boxes = [Bounds3::EMPTY; 2];
+    let at = f64::from(plane);
+    for index in 0..3 {
+        let (from, to) = (triangle[index], triangle[(index + 1) % 3]);
+        if from[axis] <= at {
+            boxes[0] = boxes[0].with_point(from.as_vec3());
+        }
+        if from[axis] >= at {
+            boxes[1] = boxes[1].with_point(from.as_vec3());
+        }
+        if (from[axis] < at) != (to[axis] < at) && from[axis] != to[axis] {
+            let mut crossing = from.lerp(to, (at - from[axis]) / (to[axis] - from[axis])).as_vec3();
+            crossing[axis] = plane;
+            boxes = boxes.map(|bounds| bounds.with_point(crossing));
+        }
+    }
+    boxes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_cover_the_triangle_and_meet_at_the_plane() {
+        let triangle = [DVec3::ZERO, DVec3::new(4.0, 1.0, 0.0), DVec3::new(4.0, 4.0, 2.0)];
+        let [left, right] = halves(&triangle, 0, 1.0);
+        assert_eq!(left, Bounds3::new(Vec3::ZERO, Vec3::new(1.0, 1.0, 0.5)));
+        assert_eq!(right, Bounds3::new(Vec3::new(1.0, 0.25, 0.0), Vec3::new(4.0, 4.0, 2.0)));
+    }
+}
