@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::workspace::{cargo, has_subcommand};
-use crate::{deps, links};
+use crate::{deps, generate, links};
 
 /// How a step ended.
 enum Outcome {
@@ -27,6 +27,7 @@ const STEPS: &[Step] = &[
     Step { name: "links", run: || passed(links::run(&[])) },
     Step { name: "lints", run: lints },
     Step { name: "tests", run: tests },
+    Step { name: "generated files", run: generated_files },
     Step { name: "documentation", run: documentation },
     Step { name: "unused dependencies", run: unused_dependencies },
     Step { name: "licences", run: licences },
@@ -71,6 +72,11 @@ fn lints() -> Outcome {
 
 fn tests() -> Outcome {
     succeeds(cargo().args(["test", "--workspace", "--quiet", "--no-fail-fast"]))
+}
+
+/// The tests check the scenes' files; the pages need the built `etendue` command.
+fn generated_files() -> Outcome {
+    passed(generate::docs(&["--check".to_owned()]))
 }
 
 fn documentation() -> Outcome {

@@ -74,6 +74,7 @@ const TABLE: &[Row] = &[
     },
     Row { name: "etendue-cli", uses: &["etendue"], tests_use: &["etendue-testkit"] },
     Row { name: "xtask", uses: &[], tests_use: &[] },
+    Row { name: "xtask-generate", uses: &["etendue"], tests_use: &[] },
 ];
 
 /// Everything that knows no scene.

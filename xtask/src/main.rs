@@ -6,8 +6,10 @@
     reason = "a developer's tool reads files, prints and exits"
 )]
 
+mod bench;
 mod ci;
 mod deps;
+mod generate;
 mod links;
 mod workspace;
 
@@ -24,8 +26,12 @@ struct Task {
 /// Every command, one line each.
 const TASKS: &[Task] = &[
     Task { name: "ci", about: "format, lints, tests, docs, edges, licences", run: ci::run },
+    Task { name: "assets", about: "meshes and pictures of the scenes", run: generate::assets },
     Task { name: "deps", about: "edges between crates against the table", run: deps::run },
+    Task { name: "docs", about: "reference pages from what the code says", run: generate::docs },
+    Task { name: "gallery", about: "the pictures under gallery/", run: generate::gallery },
     Task { name: "links", about: "relative links in Markdown files", run: links::run },
+    Task { name: "bench", about: "speed, beside a peer", run: bench::run },
 ];
 
 fn main() -> ExitCode {

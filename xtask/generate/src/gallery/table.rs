@@ -1,0 +1,115 @@
+//! What the gallery shows: every picture, in one table.
+
+/// Pictures that are shown side by side, under a heading.
+pub(super) struct Section {
+    pub(super) heading: &'static str,
+    /// The scene's folder under `scenes/`.
+    pub(super) scene: &'static str,
+    pub(super) text: &'static str,
+    pub(super) pictures: &'static [Entry],
+}
+
+/// One picture.
+pub(super) struct Entry {
+    /// The file's name without `.png`; also what the command takes.
+    pub(super) name: &'static str,
+    pub(super) caption: &'static str,
+    pub(super) samples_per_pixel: u32,
+    /// Values for `$name`, over the scene's own defaults.
+    pub(super) defines: &'static [(&'static str, &'static str)],
+    pub(super) emitter_sampling: EmitterSampling,
+}
+
+/// Whether light is sought by sampling the emitters, or found by chance alone.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum EmitterSampling {
+    On,
+    Off,
+}
+
+impl Entry {
+    /// The scene as its file has it.
+    const fn plain(name: &'static str, caption: &'static str, samples_per_pixel: u32) -> Self {
+        let emitter_sampling = EmitterSampling::On;
+        Self { name, caption, samples_per_pixel, defines: &[], emitter_sampling }
+    }
+
+    const fn with(self, defines: &'static [(&'static str, &'static str)]) -> Self {
+        Self { defines, ..self }
+    }
+
+    const fn without_emitter_sampling(self) -> Self {
+        Self { emitter_sampling: EmitterSampling::Off, ..self }
+    }
+}
+
+/// Everything, in the order of the page.
+pub(super) const SECTIONS: &[Section] = &[
+    Section {
+        heading: "A Cornell box",
+        scene: "cornell-box",
+        text: "Diffuse walls under a ceiling light. The small pictures have 32 samples per pixel each. \
+               In the second one emitters are not sampled (`--no-emitter-sampling`): light is only \
+               found where a path happens to meet the lamp. Both converge to the same picture.",
+        pictures: &[
+            Entry::plain("cornell-box", "512 samples per pixel", 512).with(&[("size", "480")]),
+            Entry::plain("cornell-box-32", "32 samples per pixel", 32).with(&[("size", "240")]),
+            Entry::plain("cornell-box-32-no-emitter-sampling", "32, emitters not sampled", 32)
+                .with(&[("size", "240")])
+                .without_emitter_sampling(),
+        ],
+    },
+    Section {
+        heading: "Depth of field",
+        scene: "depth-of-field",
+        text: "A `thinlens` camera focused on one pawn of a row. The pawns are `revsurface`s, placed as \
+               `instance`s of two `shapegroup`s.",
+        pictures: &[Entry::plain("depth-of-field", "", 512)],
+    },
+    Section {
+        heading: "Glass and metal",
+        scene: "glass-and-metal",
+        text: "A `dielectric` ball and a `conductor` ball of gold.",
+        pictures: &[Entry::plain("glass-and-metal", "", 2048)],
+    },
+    Section {
+        heading: "Cups",
+        scene: "cups",
+        text: "The same surface of revolution (`revsurface` with a B-spline profile): left solid glass \
+               (`dielectric`), right a film of glass (`thindielectric`).",
+        pictures: &[Entry::plain("cups", "", 1024)],
+    },
+    Section {
+        heading: "Plastics",
+        scene: "plastics",
+        text: "`plastic` and `roughplastic` on a mesh with smooth normals.",
+        pictures: &[Entry::plain("plastics", "", 512)],
+    },
+    Section {
+        heading: "Rough metals",
+        scene: "rough-metals",
+        text: "`roughconductor` with `alpha` 0.05, 0.1, 0.2, 0.35 and 0.6; in front, anisotropic \
+               aluminium.",
+        pictures: &[Entry::plain("rough-metals", "", 512)],
+    },
+    Section {
+        heading: "Textures",
+        scene: "textures",
+        text: "`bitmap` and `checkerboard` textures, a `bumpmap` on the wall, and a `mask` that cuts the \
+               holes of the lamp shade.",
+        pictures: &[Entry::plain("textures", "", 512)],
+    },
+    Section {
+        heading: "Soft shadows",
+        scene: "soft-shadows",
+        text: "The same power from `area` lights of side 0.1, 1.2 and 3.6.",
+        pictures: &[
+            Entry::plain("soft-shadows-small", "side 0.1", 256)
+                .with(&[("light", "0.05"), ("radiance", "1152")]),
+            Entry::plain("soft-shadows-medium", "side 1.2", 256)
+                .with(&[("light", "0.6"), ("radiance", "8")]),
+            Entry::plain("soft-shadows-large", "side 3.6", 256)
+                .with(&[("light", "1.8"), ("radiance", "0.8889")]),
+        ],
+    },
+];
