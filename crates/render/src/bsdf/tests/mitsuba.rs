@@ -5,7 +5,9 @@ use crate::bsdf::{Lobe, Transport};
 use glam::{Vec2, Vec3};
 
 /// Materials, one to a line, each followed by `eval` lines (wi, wo, value with cosine, density)
-/// or `sample` lines (wi, the number that chooses the lobe, wo, weight, density, eta).
+/// or `sample` lines (wi, the number that chooses the lobe, wo, weight, density, eta). Printed from
+/// `BSDF.eval_pdf` and `BSDF.sample` at a hit as [`testing::surface`](crate::bsdf::testing::surface)
+/// gives it.
 const VALUES: &str = include_str!("mitsuba_values.txt");
 
 /// The values are printed with seven digits, and computed with as many.
