@@ -112,10 +112,13 @@ pub(super) struct Finished {
 }
 
 /// Builds the tree and orders the references by its leaves. The root is first; places of no node
-/// lie between.
-pub(super) fn build(references: &mut [Reference], options: &BuildOptions) -> Vec<BinaryNode> {
+/// lie between. Also says what the tree costs, in half areas times blocks.
+pub(super) fn build(
+    references: &mut [Reference],
+    options: &BuildOptions,
+) -> (Vec<BinaryNode>, f32) {
     if references.is_empty() {
-        return Vec::new();
+        return (Vec::new(), 0.0);
     }
     let mut nodes = vector_with_capacity(2 * references.len() - 1);
     nodes.resize(2 * references.len() - 1, BinaryNode::default());
@@ -125,8 +128,9 @@ pub(super) fn build(references: &mut [Reference], options: &BuildOptions) -> Vec
         node_cost: options.node_cost,
     };
     let extent = Extent::of(references);
-    builder.build(Task { references, first: 0, nodes: &mut nodes, place: 0, extent, depth: 0 });
-    nodes
+    let root = Task { references, first: 0, nodes: &mut nodes, place: 0, extent, depth: 0 };
+    let cost = builder.build(root).costs.single();
+    (nodes, cost)
 }
 
 impl Builder {

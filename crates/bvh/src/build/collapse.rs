@@ -41,6 +41,11 @@ impl Costs {
         Self([area; WIDTH - 1])
     }
 
+    /// What the subtree costs as one child.
+    pub(super) fn single(&self) -> f32 {
+        self.0[0]
+    }
+
     /// A subtree of two. `counts` are all references below it, and the custom ones.
     pub(super) fn combine(
         [left, right]: [&Self; 2],

@@ -5,6 +5,7 @@ mod collapse;
 mod presplit;
 mod reference;
 
+use self::binned::BinaryNode;
 use crate::bvh::Bvh;
 use crate::error::BuildError;
 use crate::geometry::GeometryView;
@@ -26,18 +27,27 @@ pub(crate) fn build(
 ) -> Result<Bvh, BuildError> {
     let instances = place_instances(geometries)?;
     let mut references = reference::collect(geometries, &instances)?;
-    presplit::presplit(&mut references, geometries, options.split_budget);
-    if references.len() >= Child::MAX_BLOCKS {
+    let split = presplit::presplit(&references, geometries, options.split_budget);
+    if references.len().max(split.len()) >= Child::MAX_BLOCKS {
         return Err(BuildError::TooManyPrimitives);
     }
-    let tree = binned::build(&mut references, options);
+    let (mut tree, cost) = binned::build(&mut references, options);
+    // Splits help some scenes and harm others: in rooms with large slanted walls the pieces swell
+    // so many nodes that rays took a third longer. The heuristic can tell beforehand.
+    if !split.is_empty() {
+        let mut split = split;
+        let (split_tree, split_cost) = binned::build(&mut split, options);
+        if split_cost < cost {
+            (references, tree) = (split, split_tree);
+        }
+    }
     let wide = collapse::collapse(&tree, &references);
     let triangle_count = wide.triangle_count;
     if wide.custom.len() > Child::MAX_CUSTOM_ENTRIES {
         return Err(BuildError::TooManyPrimitives);
     }
     let blocks = wide.fill_blocks(&references, geometries);
-    let bounds = tree.first().map_or(Bounds3::EMPTY, |root| root.bounds());
+    let bounds = tree.first().map_or(Bounds3::EMPTY, BinaryNode::bounds);
     Ok(Bvh::from_parts(wide.nodes, blocks, (wide.custom, instances), bounds, triangle_count))
 }
 
