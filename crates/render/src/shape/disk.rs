@@ -6,7 +6,7 @@ use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Ray, Transform, rounding_error_bound};
 use etendue_sampling::warp;
-use glam::{Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// The manual page.
@@ -23,6 +23,9 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Copy, Debug)]
 pub struct Disk {
     to_world: Transform,
+    /// World to the disk's own space, in double precision: rays that leave the disk must not meet it
+    /// again for a rounding.
+    to_local: DAffine3,
     normal: Vec3,
     area: f32,
 }
@@ -31,27 +34,30 @@ pub struct Disk {
 #[must_use]
 pub fn build(parameters: &Parameters<'_>) -> Option<Disk> {
     let flip_normals = parameters.boolean("flip_normals", false);
-    Some(Disk::new(read_transform(parameters, "to_world")?, flip_normals))
+    let to_world = read_transform(parameters, "to_world")?;
+    let to_local = DAffine3::from_mat4(parameters.transform("to_world")).inverse();
+    Some(Disk::new(to_world, to_local, flip_normals))
 }
 
 impl Disk {
-    fn new(to_world: Transform, flip_normals: bool) -> Self {
+    fn new(to_world: Transform, to_local: DAffine3, flip_normals: bool) -> Self {
         let across = to_world.vector(Vec3::X).cross(to_world.vector(Vec3::Y));
         let normal = to_world.normal(Vec3::Z).normalize_or(Vec3::Z);
         let normal = if flip_normals { -normal } else { normal };
-        Self { to_world, normal, area: PI * across.length() }
+        Self { to_world, to_local, normal, area: PI * across.length() }
     }
 
     /// The distance at which the ray meets the disk, and the disk's x and y there.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, Vec2)> {
-        let origin = self.to_world.inverse_point(ray.origin);
-        let direction = self.to_world.inverse_vector(ray.direction);
+        let origin = self.to_local.transform_point3(ray.origin.as_dvec3());
+        let direction = self.to_local.transform_vector3(ray.direction.as_dvec3());
         let t = -origin.z / direction.z;
         let local = (origin + direction * t).truncate();
         // A NaN from a ray within the plane fails the comparisons.
-        (t > 0.0 && t < ray.t_max && local.length_squared() <= 1.0).then_some((t, local))
+        let inside = t > 0.0 && t < f64::from(ray.t_max) && local.length_squared() <= 1.0;
+        inside.then(|| (t as f32, local.as_vec2()))
     }
 
     /// The surface at the disk's `local` x and y.

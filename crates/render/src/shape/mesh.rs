@@ -24,6 +24,10 @@ pub struct Mesh {
     sampling: Option<AreaSampling>,
 }
 
+/// Roundings in series between the vertices and the distance at which the tree's triangle test says
+/// they are met: translation, shear and projection, products, sums, and the division.
+const INTERSECTION_ROUNDINGS: u32 = 12;
+
 /// How points uniform in area are chosen.
 #[derive(Clone, Debug)]
 enum AreaSampling {
@@ -192,7 +196,11 @@ impl Mesh {
     /// The surface at barycentric coordinates `barycentric` of the second and third vertex.
     ///
     /// The error bound is that of interpolating three vertices by weights that sum to one: γ₇ times
-    /// the sum of the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5).
+    /// the sum of the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5). To it
+    /// comes what the intersection test itself can be wrong by: it works on the vertices as seen from
+    /// the ray's origin, and its distance to the plane is rounded in proportion to how far they are.
+    /// Without this a ray leaving a floor in the plane y = 0, where the first bound vanishes, hits the
+    /// floor again.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
@@ -203,11 +211,13 @@ impl Mesh {
         let magnitude = terms[0].abs() + terms[1].abs() + terms[2].abs();
         let (edge_1, edge_2) = (b - a, c - a);
         let normal = edge_1.cross(edge_2).normalize_or(Vec3::Z) * self.orientation;
+        let reach = edge_1.abs().max(edge_2.abs()).max_element();
         let (uv, tangents) = self.parametrization(vertices, barycentric, [edge_1, edge_2]);
         let (dp_du, dp_dv) = tangents.unwrap_or_else(|| coordinate_system(normal));
         SurfacePoint {
             point: terms[0] + terms[1] + terms[2],
-            error: magnitude * rounding_error_bound(7),
+            error: magnitude * rounding_error_bound(7)
+                + Vec3::splat(reach * rounding_error_bound(INTERSECTION_ROUNDINGS)),
             normal,
             shading_normal: self.shading_normal(vertices, weights).unwrap_or(normal),
             uv,
