@@ -1,6 +1,6 @@
 //! `blendbsdf`: a mixture of two materials.
 
-use super::inputs::{nested, scalar_within};
+use super::inputs::{limited, nested, scalar_within};
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
@@ -45,8 +45,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
 impl BlendBsdf {
     /// Adds the closures of both materials with their shares.
     pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
-        // In this order a NaN becomes zero.
-        let weight = self.weight.eval(gather.textures, gather.surface).max(0.0).min(1.0);
+        let weight = limited(self.weight.eval(gather.textures, gather.surface), 0.0, 1.0);
         for (nested, share) in self.nested.into_iter().zip([1.0 - weight, weight]) {
             if share > 0.0 {
                 gather.materials.gather(nested, gather, placement.scaled(share), bsdf);

@@ -11,6 +11,12 @@ use etendue_spectrum::{Spectrum, SpectrumUse, metal, metal_names};
 use glam::Vec2;
 use std::ops::RangeInclusive;
 
+/// A number between its bounds; the lower one for NaN, which a texture may hold.
+#[inline]
+pub(super) fn limited(value: f32, low: f32, high: f32) -> f32 {
+    if value > low { value.min(high) } else { low }
+}
+
 /// A share of light: a colour from 0 to 1. Above one it is warned of and taken as it is, as it
 /// makes light out of nothing.
 pub(super) fn reflectance(

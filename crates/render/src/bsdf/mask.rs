@@ -1,6 +1,6 @@
 //! `mask`: a material with holes.
 
-use super::inputs::{nested, scalar_within};
+use super::inputs::{limited, nested, scalar_within};
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
@@ -39,8 +39,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<M
 impl Mask {
     /// Adds the nested closures, and the straight way for what they do not cover.
     pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
-        // In this order a NaN becomes zero.
-        let opacity = self.opacity.eval(gather.textures, gather.surface).max(0.0).min(1.0);
+        let opacity = limited(self.opacity.eval(gather.textures, gather.surface), 0.0, 1.0);
         if opacity > 0.0 {
             gather.materials.gather(self.nested, gather, placement.scaled(opacity), bsdf);
         }

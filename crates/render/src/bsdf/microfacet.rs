@@ -4,6 +4,7 @@
 //! (z > 0), and the microfacet normal `m` too.
 
 use super::erf::{erf_given_exponential, erf_inverse};
+use super::inputs::limited;
 use etendue_math::safe_sqrt;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
@@ -59,7 +60,7 @@ impl Microfacets {
     #[must_use]
     pub fn new(distribution: Distribution, sampling: NormalSampling, alpha: Vec2) -> Self {
         // Beyond the upper bound squares would overflow; no surface is that rough.
-        let limited = |alpha: f32| alpha.max(MIN_ALPHA).min(1e4);
+        let limited = |alpha: f32| limited(alpha, MIN_ALPHA, 1e4);
         Self { alpha: Vec2::new(limited(alpha.x), limited(alpha.y)), distribution, sampling }
     }
 

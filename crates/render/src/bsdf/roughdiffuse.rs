@@ -1,6 +1,6 @@
 //! `roughdiffuse`: a rough matt surface.
 
-use super::inputs::{reflectance, scalar_within};
+use super::inputs::{limited, reflectance, scalar_within};
 use super::{BsdfSample, Closure, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
@@ -87,8 +87,7 @@ impl RoughDiffuse {
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
     ) -> RoughDiffuseClosure {
-        // In this order a NaN becomes zero.
-        let alpha = self.alpha.eval(textures, surface).max(0.0).min(1e4);
+        let alpha = limited(self.alpha.eval(textures, surface), 0.0, 1e4);
         let deviation = alpha * FRAC_1_SQRT_2;
         RoughDiffuseClosure {
             reflectance: self.reflectance.eval(textures, surface),
