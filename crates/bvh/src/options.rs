@@ -22,10 +22,12 @@ impl BuildOptions {
     pub const FAST: Self = Self { bin_count: 8, leaf_size: 8, node_cost: 1.0, split_budget: 0.0 };
 
     /// A good hierarchy in little time; the default.
-    pub const BALANCED: Self = Self { bin_count: 16, leaf_size: 8, node_cost: 1.0, split_budget: 0.0 };
+    pub const BALANCED: Self =
+        Self { bin_count: 16, leaf_size: 8, node_cost: 1.0, split_budget: 0.0 };
 
     /// Spatial splits where they help (long slanted triangles): the slowest build.
-    pub const SPATIAL: Self = Self { bin_count: 16, leaf_size: 2, node_cost: 1.0, split_budget: 0.3 };
+    pub const SPATIAL: Self =
+        Self { bin_count: 16, leaf_size: 2, node_cost: 1.0, split_budget: 0.3 };
 }
 
 impl Default for BuildOptions {

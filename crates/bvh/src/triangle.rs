@@ -10,8 +10,8 @@
 //!   a result above zero means `a·b > c·d` exactly, one below zero the opposite, and seen from the
 //!   neighbour its sign is exactly reversed. Zero leaves the side open and counts as inside for
 //!   both neighbours.
-//! * If the sum of the three is zero or overflows, they are computed again from the same sheared
-//!   positions in `f64`, where the products are exact.
+//! * If the sum of the three is zero, or near the ends of the range, they are computed again from
+//!   the same sheared positions in `f64`, where the products are exact.
 //!
 //! So a triangle is hit at least wherever the exact test of the sheared mesh would hit it.
 
@@ -50,6 +50,11 @@ pub(crate) struct Candidates<S: Simd> {
     determinant: S::Vector,
 }
 
+/// Below this determinant the edge functions lose digits, or all, to underflow.
+const LEAST_SOUND: f32 = 1e-30;
+/// Above this one its inverse does.
+const GREATEST_SOUND: f32 = 1e37;
+
 /// Tests a block against the ray; `None` where the ray passes outside of all lanes.
 #[inline(always)]
 pub(crate) fn intersect_block<S: Simd>(
@@ -74,9 +79,11 @@ pub(crate) fn intersect_block<S: Simd>(
     }
     let determinant = S::add(u, S::add(v, w));
     let absolute = S::absolute(determinant);
-    let sound = S::both_less(zero, absolute, absolute, S::splat(f32::INFINITY));
-    let along = S::add(S::multiply(u, a[2]), S::add(S::multiply(v, b[2]), S::multiply(w, c[2])));
-    let t = S::divide(along, determinant);
+    let sound = S::both_less(S::splat(LEAST_SOUND), absolute, absolute, S::splat(GREATEST_SOUND));
+    let inverse = S::divide(S::splat(1.0), determinant);
+    let along =
+        |edge: S::Vector, vertex: &Sheared<S>| S::multiply(S::multiply(edge, inverse), vertex[2]);
+    let t = S::add(along(u, &a), S::add(along(v, &b), along(w, &c)));
     let within = S::less(zero, t) & S::less_equal(t, S::splat(t_max));
     Some(Candidates {
         mask: inside & sound & within,

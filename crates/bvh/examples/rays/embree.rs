@@ -9,7 +9,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::mem::ManuallyDrop;
 
 /// Instruction set, flags and build quality of a scene.
-pub struct Variant {
+pub(crate) struct Variant {
     name: &'static str,
     device: &'static str,
     flags: i32,
@@ -20,7 +20,7 @@ const ROBUST: i32 = 1 << 2;
 const MEDIUM: i32 = 1;
 
 /// What we compare with; the first is what ratios refer to.
-pub const VARIANTS: [&Variant; 3] = [
+pub(crate) const VARIANTS: [&Variant; 3] = [
     &Variant { name: "avx2", device: "threads=1,isa=avx2", flags: 0, quality: MEDIUM },
     &Variant { name: "avx512", device: "threads=1", flags: 0, quality: MEDIUM },
     &Variant { name: "avx2 robust", device: "threads=1,isa=avx2", flags: ROBUST, quality: MEDIUM },
@@ -70,7 +70,7 @@ impl RayHit {
 type Trace = unsafe extern "C" fn(Handle, *mut RayHit, *mut c_void);
 
 /// A committed scene.
-pub struct Scene {
+pub(crate) struct Scene {
     name: &'static str,
     scene: Handle,
     intersect: Trace,
@@ -80,7 +80,11 @@ pub struct Scene {
 }
 
 impl Scene {
-    pub fn build(path: &str, variant: &Variant, meshes: &[Mesh]) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn build(
+        path: &str,
+        variant: &Variant,
+        meshes: &[Mesh],
+    ) -> Result<Self, Box<dyn Error>> {
         // SAFETY: the library is Embree 4, whose C interface these signatures are, and it stays
         // loaded; buffers are filled within the sizes that they were made with.
         unsafe {

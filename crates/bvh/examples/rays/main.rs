@@ -56,7 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let triangles: usize = meshes.iter().map(|mesh| mesh.indices.len()).sum();
     println!("{} meshes, {triangles} triangles", meshes.len());
     let preset = arguments.get(3).map_or("balanced", String::as_str);
-    let ours: Vec<Ours> = presets(preset).into_iter().map(|preset| build(preset, &meshes)).collect();
+    let ours: Vec<Ours> =
+        presets(preset).into_iter().map(|preset| build(preset, &meshes)).collect();
     let workload = Workload::new(&ours[0].1);
     let mut tracers: Vec<Box<dyn Tracer>> = Vec::new();
     if let Some(library) = arguments.get(1).filter(|library| library.as_str() != "-") {

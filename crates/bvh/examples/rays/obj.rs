@@ -4,15 +4,16 @@ use glam::Vec3;
 use std::error::Error;
 
 /// The triangles of one file.
-pub struct Mesh {
-    pub positions: Vec<Vec3>,
-    pub indices: Vec<[u32; 3]>,
+pub(crate) struct Mesh {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) indices: Vec<[u32; 3]>,
 }
 
 /// Reads every `.obj` file of a folder, by name.
-pub fn read_folder(folder: &str) -> Result<Vec<Mesh>, Box<dyn Error>> {
-    let mut paths: Vec<_> =
-        std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?;
+pub(crate) fn read_folder(folder: &str) -> Result<Vec<Mesh>, Box<dyn Error>> {
+    let mut paths: Vec<_> = std::fs::read_dir(folder)?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<_, _>>()?;
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "obj"));
     paths.sort();
     paths.iter().map(|path| parse(&std::fs::read_to_string(path)?)).collect()
@@ -29,7 +30,8 @@ fn parse(text: &str) -> Result<Mesh, Box<dyn Error>> {
             }
             Some("f") => {
                 let count = mesh.positions.len() as i64;
-                let corners = words.map(|word| corner(word, count)).collect::<Result<Vec<_>, _>>()?;
+                let corners =
+                    words.map(|word| corner(word, count)).collect::<Result<Vec<_>, _>>()?;
                 for pair in corners[1..].windows(2) {
                     mesh.indices.push([corners[0], pair[0], pair[1]]);
                 }

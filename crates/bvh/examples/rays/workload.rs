@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3};
 
 /// What rays are for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// A pinhole camera's, 1920 × 1080, line by line.
     Primary,
     /// One from each primary hit, distributed by the cosine.
@@ -20,17 +20,17 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Self; 5] =
+    pub(crate) const ALL: [Self; 5] =
         [Self::Primary, Self::Bounce, Self::Random, Self::Shadow, Self::Segments];
 
     /// Whether any hit will do.
-    pub fn is_any_hit(self) -> bool {
+    pub(crate) fn is_any_hit(self) -> bool {
         matches!(self, Self::Shadow | Self::Segments)
     }
 }
 
 /// The rays of every kind.
-pub struct Workload([Vec<Ray>; Kind::ALL.len()]);
+pub(crate) struct Workload([Vec<Ray>; Kind::ALL.len()]);
 
 const WIDTH: usize = 1920;
 const HEIGHT: usize = 1080;
@@ -39,7 +39,7 @@ const RANDOM: usize = 2_000_000;
 impl Workload {
     /// The primary hits come from `bvh`, whose triangles must wind consistently for nothing: the
     /// normal is found by three rays' hits on the same triangle being avoided; see `normal`.
-    pub fn new(bvh: &Bvh) -> Self {
+    pub(crate) fn new(bvh: &Bvh) -> Self {
         let primary = primary_rays();
         let bounds = bvh.bounds();
         let light = bounds.center() + Vec3::Y * bounds.extent().y * 0.3;
@@ -63,7 +63,7 @@ impl Workload {
         Self([primary, bounce, anywhere, shadow, segments])
     }
 
-    pub fn rays(&self, kind: Kind) -> &[Ray] {
+    pub(crate) fn rays(&self, kind: Kind) -> &[Ray] {
         &self.0[kind as usize]
     }
 }
@@ -118,7 +118,7 @@ impl Random {
 }
 
 /// The processor time of this thread.
-pub fn thread_seconds() -> f64 {
+pub(crate) fn thread_seconds() -> f64 {
     #[repr(C)]
     struct Time {
         seconds: i64,

@@ -229,8 +229,7 @@ impl Builder {
             }
         }
         let (axis, plane) = best?;
-        let bounds =
-            [bins.bounds(axis, 0..plane), bins.bounds(axis, plane..count)];
+        let bounds = [bins.bounds(axis, 0..plane), bins.bounds(axis, plane..count)];
         Some(Split { binning, axis, plane, bounds })
     }
 }

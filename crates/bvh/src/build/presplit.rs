@@ -25,10 +25,8 @@ pub(super) fn presplit(
         return Vec::new();
     }
     let corners = |reference: &Reference| triangle_of(reference, geometries);
-    let priorities: Vec<f64> = references
-        .par_iter()
-        .map(|r| if r.is_custom() { 0.0 } else { emptiness(r) })
-        .collect();
+    let priorities: Vec<f64> =
+        references.par_iter().map(|r| if r.is_custom() { 0.0 } else { emptiness(r) }).collect();
     // In the order of the references, so that threads do not change the sum.
     let total: f64 = priorities.iter().sum();
     if !(total > 0.0 && total.is_finite()) {

@@ -63,8 +63,11 @@ impl Nearest {
     #[inline(always)]
     fn finish(self) -> Option<Hit> {
         let Self { hit, determinant, .. } = self;
-        (hit.geometry != Self::NOTHING)
-            .then(|| Hit { u: hit.u / determinant, v: hit.v / determinant, ..hit })
+        (hit.geometry != Self::NOTHING).then(|| Hit {
+            u: hit.u / determinant,
+            v: hit.v / determinant,
+            ..hit
+        })
     }
 }
 

@@ -47,9 +47,8 @@ impl RayConstants {
         let greatest = greatest_component(size);
         // Zero times a number that is not finite is not a number, and neither is their sum.
         let zero = (origin.abs() + size) * 0.0;
-        let usable = zero.cmpeq(Vec3A::ZERO).all()
-            & (greatest >= f32::MIN_POSITIVE)
-            & (ray.t_max > 0.0);
+        let usable =
+            zero.cmpeq(Vec3A::ZERO).all() & (greatest >= f32::MIN_POSITIVE) & (ray.t_max > 0.0);
         if !usable {
             return None;
         }
