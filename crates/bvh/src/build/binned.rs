@@ -327,12 +327,12 @@ impl Bins {
         }
         let mut best = (0, f32::INFINITY);
         let (mut bounds, mut total) = (Box4::EMPTY, 0);
-        for plane in 1..count {
+        for (plane, &right_cost) in right_costs.iter().enumerate().take(count).skip(1) {
             let of_bin = &self.boxes[axis][plane - 1];
             bounds.grow(of_bin.min, of_bin.max);
             total += self.counts[axis][plane - 1];
             if total > 0 {
-                let cost = bounds.half_area() * total as f32 + right_costs[plane];
+                let cost = bounds.half_area() * total as f32 + right_cost;
                 if cost < best.1 {
                     best = (plane, cost);
                 }

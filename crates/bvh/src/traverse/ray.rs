@@ -122,7 +122,11 @@ impl<S: Simd> BoxConstants<S> {
         let padding = greatest_component(origin.abs()) * PADDING;
         let offset = -origin * constants.inverse;
         let padding = padding * constants.inverse.abs();
-        let (near, far) = (offset - padding, offset + padding);
+        // Where an offset leaves the range, the near one must stay too low and the far one too
+        // high: a fused product of the far plane does not overflow beside an infinity. The second
+        // operands pass on what is not a number, which then bounds nothing.
+        let near = Vec3A::splat(f32::MAX).min(offset - padding);
+        let far = Vec3A::splat(f32::MIN).max(offset + padding);
         let planes = &PLANES[constants.inverse.is_negative_bitmask() as usize & 7];
         let [x, y, z] = constants.inverse.to_array();
         Self {
