@@ -78,9 +78,9 @@ impl SceneArguments {
             search_paths: self.search_path.clone(),
             build: BuildOptions {
                 film_size: self.size,
-                crop: None,
                 filter: self.filter.clone(),
                 skip_missing: self.skip_missing,
+                ..BuildOptions::default()
             },
             integrator: IntegratorOptions {
                 name: self.integrator.clone(),
