@@ -25,25 +25,33 @@ mod terminal;
 mod text;
 mod variances;
 
+use std::panic::catch_unwind;
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use crate::arguments::{Arguments, Command};
+use crate::failure::{Failure, Status};
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
-        Command::Render(arguments) => commands::render::run(&arguments),
-        Command::Check(arguments) => commands::check::run(&arguments),
-        Command::Info(arguments) => commands::info::run(&arguments),
-        Command::Diff(arguments) => commands::diff::run(&arguments),
-        Command::Convert(arguments) => commands::convert::run(&arguments),
-    };
+    let command = Arguments::parse().command;
+    // A panic is a defect of this program, and has said so by now; exit codes keep their meaning.
+    let outcome = catch_unwind(|| run(&command)).unwrap_or(Ok(Status::Failed));
     match outcome {
         Ok(status) => ExitCode::from(status.code()),
         Err(failure) => {
             terminal::error(&failure.message);
             ExitCode::from(failure.status.code())
         }
+    }
+}
+
+fn run(command: &Command) -> Result<Status, Failure> {
+    match command {
+        Command::Render(arguments) => commands::render::run(arguments),
+        Command::Check(arguments) => commands::check::run(arguments),
+        Command::Info(arguments) => commands::info::run(arguments),
+        Command::Diff(arguments) => commands::diff::run(arguments),
+        Command::Convert(arguments) => commands::convert::run(arguments),
     }
 }

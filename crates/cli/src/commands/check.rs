@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::scene::SceneArguments;
 use crate::failure::{Failure, Status};
+use crate::findings::Detail;
 use crate::{findings, terminal};
 
 /// What is checked.
@@ -21,10 +22,11 @@ pub(crate) struct Arguments {
 /// Loads every scene and shows what was found.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let workers = arguments.scene.workers()?;
+    let detail = if arguments.scene.quiet { Detail::Errors } else { Detail::Everything };
     let mut status = Status::Fine;
     for path in &arguments.scenes {
         let loaded = arguments.scene.load(path, &workers)?;
-        findings::show_list(&loaded.findings, arguments.scene.detail());
+        findings::show_list(&loaded.findings, detail);
         if !arguments.scene.quiet {
             let summary = findings::summary(&loaded.findings);
             terminal::result(&format!("{}: {summary}\n", path.display()))?;

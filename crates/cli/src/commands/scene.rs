@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use etendue::integrators::IntegratorOptions;
-use etendue::scene::BuildOptions;
+use clap::builder::PossibleValuesParser;
+use etendue::document::Class;
+use etendue::integrators::{INTEGRATORS, IntegratorOptions};
+use etendue::scene::{BuildOptions, registry};
 use etendue::{Files, Loaded, SceneOptions, Workers, load};
 
 use crate::failure::Failure;
@@ -23,11 +25,11 @@ pub(crate) struct SceneArguments {
     /// Width and height of the film, in pixels
     #[arg(long, value_name = "WxH", value_parser = parsers::size)]
     size: Option<[u32; 2]>,
-    /// The film's reconstruction filter: box, tent, gaussian, mitchell, catmullrom, lanczos
-    #[arg(long, value_name = "NAME")]
+    /// Another reconstruction filter than the film's
+    #[arg(long, value_name = "NAME", value_parser = filter_names())]
     filter: Option<String>,
-    /// How light is computed, instead of the scene's way: path, direct, depth, aov, moment
-    #[arg(long, value_name = "NAME")]
+    /// Another integrator than the scene's
+    #[arg(long, value_name = "NAME", value_parser = integrator_names())]
     integrator: Option<String>,
     /// Find light by chance alone, for comparison
     #[arg(long)]
@@ -47,6 +49,18 @@ pub(crate) struct SceneArguments {
     /// Say more
     #[arg(short = 'v', long)]
     pub(crate) verbose: bool,
+}
+
+/// The filters there are.
+fn filter_names() -> PossibleValuesParser {
+    let filters =
+        registry::plugins().into_iter().filter(|(class, ..)| *class == Class::ReconstructionFilter);
+    PossibleValuesParser::new(filters.map(|(_, name, _)| name))
+}
+
+/// The integrators there are.
+fn integrator_names() -> PossibleValuesParser {
+    PossibleValuesParser::new(INTEGRATORS.iter().map(|plugin| plugin.name))
 }
 
 impl SceneArguments {
