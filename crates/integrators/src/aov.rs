@@ -112,7 +112,7 @@ impl Kind {
             Self::Position => vector(surface.point),
             Self::Uv => ([surface.uv.x, surface.uv.y, 0.0], 2),
             Self::GeometricNormal => vector(surface.normal),
-            Self::ShadingNormal => vector(surface.to_world(bsdf.normal(surface.wi))),
+            Self::ShadingNormal => vector(surface.to_world(bsdf.normal())),
             Self::DpDu => vector(surface.dp_du),
             Self::DpDv => vector(surface.dp_dv),
             Self::PrimitiveIndex => ([surface.primitive as f32, 0.0, 0.0], 1),

@@ -5,7 +5,7 @@ use crate::{Integrator, Radiance};
 use etendue_document::{Fault, Parameters};
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
-use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
+use etendue_render::{Manual, ParameterManual, Scene, ShapeId, SurfaceInteraction};
 use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
 
@@ -89,10 +89,44 @@ struct State {
     /// The index of refraction here relative to the camera's: light that will leave glass again is
     /// not lost to roulette for being compressed in it.
     eta: f32,
+    /// The masked sheet that the path has just passed straight through.
+    sheet: Option<Sheet>,
     /// Edges so far.
     depth: u32,
     radiance: Spectrum,
     alpha: f32,
+}
+
+/// A surface that lets light straight through: its back face, if it has one close by, is part of it.
+///
+/// Blinds and leaves are often modelled as thin boxes with a `mask`. Their opacity is meant for the
+/// sheet, not for each face of it, and Mitsuba renders it so, because its rays start 1,500 roundings
+/// beyond the front face. Ours start right behind it, so the rule is stated: the same shape, met
+/// again within that distance, is not met.
+#[derive(Clone, Copy, Debug)]
+struct Sheet {
+    shape: ShapeId,
+    thickness: f32,
+}
+
+impl Sheet {
+    fn at(surface: &SurfaceInteraction) -> Self {
+        let thickness = (1.0 + surface.point.abs().max_element()) * 1500.0 * (0.5 * f32::EPSILON);
+        Self { shape: surface.shape, thickness }
+    }
+
+    /// What `ray` hits behind the sheet; the ray is moved there.
+    fn hit_beyond(self, scene: &Scene, ray: &mut Ray) -> Option<SurfaceInteraction> {
+        let mut remaining = self.thickness;
+        loop {
+            let surface = scene.intersect(ray)?;
+            remaining -= surface.t;
+            if surface.shape != self.shape || remaining < 0.0 {
+                return Some(surface);
+            }
+            *ray = surface.spawn_ray(ray.direction);
+        }
+    }
 }
 
 impl Integrator for Path {
@@ -108,15 +142,16 @@ impl Integrator for Path {
             origin: Origin { point: ray.origin, pdf: None },
             throughput: Spectrum::ONE,
             eta: 1.0,
+            sheet: None,
             depth: 0,
             radiance: Spectrum::ZERO,
             alpha: 0.0,
         };
         while path.depth < self.max_depth {
-            let hit = if path.depth == 0 {
-                first_hit(scene, &path.ray, self.hide_emitters)
-            } else {
-                scene.intersect(&path.ray)
+            let hit = match path.sheet.take() {
+                _ if path.depth == 0 => first_hit(scene, &path.ray, self.hide_emitters),
+                None => scene.intersect(&path.ray),
+                Some(sheet) => sheet.hit_beyond(scene, &mut path.ray),
             };
             let Some(surface) = hit else {
                 self.escape(scene, &mut path);
@@ -186,8 +221,9 @@ impl Path {
         {
             return false;
         }
-        if lobe != Lobe::Null {
-            path.alpha = 1.0;
+        match lobe {
+            Lobe::Null => path.sheet = Some(Sheet::at(surface)),
+            _ => path.alpha = 1.0,
         }
         path.throughput *= weight;
         path.eta *= eta;

@@ -58,7 +58,10 @@ pub fn build_scene(
         return None;
     }
     let hash = assets.content_hash();
-    Scene::new(Parts { materials: builder.materials, textures: builder.textures, hash, ..parts }, diagnostics)
+    Scene::new(
+        Parts { materials: builder.materials, textures: builder.textures, hash, ..parts },
+        diagnostics,
+    )
 }
 
 /// A 4×4 transform parameter; `None` after reporting one that has no inverse.
@@ -120,7 +123,8 @@ impl<'a> Builder<'a> {
             return *built;
         }
         let parameters = self.parameters(node);
-        let material = find(registry::BSDFS, &parameters).and_then(|build| build(self, &parameters));
+        let material =
+            find(registry::BSDFS, &parameters).and_then(|build| build(self, &parameters));
         let id = material.map(|material| self.add_material(material));
         if id.is_some() {
             parameters.finish();
@@ -161,7 +165,8 @@ impl<'a> Builder<'a> {
             decoded.texture
         } else {
             let parameters = self.parameters(node);
-            let texture = find(registry::TEXTURES, &parameters).and_then(|build| build(self, &parameters));
+            let texture =
+                find(registry::TEXTURES, &parameters).and_then(|build| build(self, &parameters));
             if texture.is_some() {
                 parameters.finish();
             }
@@ -187,7 +192,8 @@ impl<'a> Builder<'a> {
     fn emitters(&mut self, root: &Parameters<'_>, mut emitters: Vec<Emitter>) -> Vec<Emitter> {
         for child in root.children_of(Class::Emitter) {
             let parameters = self.parameters(child.node);
-            let emitter = find(registry::EMITTERS, &parameters).and_then(|build| build(self, &parameters));
+            let emitter =
+                find(registry::EMITTERS, &parameters).and_then(|build| build(self, &parameters));
             if emitter.is_some() {
                 parameters.finish();
             }

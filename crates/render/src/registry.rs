@@ -49,33 +49,67 @@ pub type BuildSampler = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<SamplerS
 
 /// The materials.
 pub static BSDFS: &[Plugin<BuildMaterial>] = &[
-    plugin("blendbsdf", &bsdf::blendbsdf::MANUAL, |b, p| bsdf::blendbsdf::build(b, p).map(Material::Blend)),
-    plugin("bumpmap", &bsdf::bumpmap::MANUAL, |b, p| bsdf::bumpmap::build(b, p).map(Material::BumpMap)),
-    plugin("conductor", &bsdf::conductor::MANUAL, |b, p| bsdf::conductor::build(b, p).map(Material::Conductor)),
-    plugin("dielectric", &bsdf::dielectric::MANUAL, |b, p| bsdf::dielectric::build(b, p).map(Material::Dielectric)),
-    plugin("diffuse", &bsdf::diffuse::MANUAL, |b, p| bsdf::diffuse::build(b, p).map(Material::Diffuse)),
+    plugin("blendbsdf", &bsdf::blendbsdf::MANUAL, |b, p| {
+        bsdf::blendbsdf::build(b, p).map(Material::Blend)
+    }),
+    plugin("bumpmap", &bsdf::bumpmap::MANUAL, |b, p| {
+        bsdf::bumpmap::build(b, p).map(Material::BumpMap)
+    }),
+    plugin("conductor", &bsdf::conductor::MANUAL, |b, p| {
+        bsdf::conductor::build(b, p).map(Material::Conductor)
+    }),
+    plugin("dielectric", &bsdf::dielectric::MANUAL, |b, p| {
+        bsdf::dielectric::build(b, p).map(Material::Dielectric)
+    }),
+    plugin("diffuse", &bsdf::diffuse::MANUAL, |b, p| {
+        bsdf::diffuse::build(b, p).map(Material::Diffuse)
+    }),
     plugin("mask", &bsdf::mask::MANUAL, |b, p| bsdf::mask::build(b, p).map(Material::Mask)),
-    plugin("normalmap", &bsdf::normalmap::MANUAL, |b, p| bsdf::normalmap::build(b, p).map(Material::NormalMap)),
+    plugin("normalmap", &bsdf::normalmap::MANUAL, |b, p| {
+        bsdf::normalmap::build(b, p).map(Material::NormalMap)
+    }),
     plugin("null", &bsdf::null::MANUAL, |b, p| bsdf::null::build(b, p).map(Material::Null)),
-    plugin("plastic", &bsdf::plastic::MANUAL, |b, p| bsdf::plastic::build(b, p).map(Material::Plastic)),
-    plugin("roughconductor", &bsdf::roughconductor::MANUAL, |b, p| bsdf::roughconductor::build(b, p).map(Material::RoughConductor)),
-    plugin("roughdielectric", &bsdf::roughdielectric::MANUAL, |b, p| bsdf::roughdielectric::build(b, p).map(Material::RoughDielectric)),
-    plugin("roughdiffuse", &bsdf::roughdiffuse::MANUAL, |b, p| bsdf::roughdiffuse::build(b, p).map(Material::RoughDiffuse)),
-    plugin("roughplastic", &bsdf::roughplastic::MANUAL, |b, p| bsdf::roughplastic::build(b, p).map(Material::RoughPlastic)),
-    plugin("thindielectric", &bsdf::thindielectric::MANUAL, |b, p| bsdf::thindielectric::build(b, p).map(Material::ThinDielectric)),
-    plugin("twosided", &bsdf::twosided::MANUAL, |b, p| bsdf::twosided::build(b, p).map(Material::TwoSided)),
+    plugin("plastic", &bsdf::plastic::MANUAL, |b, p| {
+        bsdf::plastic::build(b, p).map(Material::Plastic)
+    }),
+    plugin("roughconductor", &bsdf::roughconductor::MANUAL, |b, p| {
+        bsdf::roughconductor::build(b, p).map(Material::RoughConductor)
+    }),
+    plugin("roughdielectric", &bsdf::roughdielectric::MANUAL, |b, p| {
+        bsdf::roughdielectric::build(b, p).map(Material::RoughDielectric)
+    }),
+    plugin("roughdiffuse", &bsdf::roughdiffuse::MANUAL, |b, p| {
+        bsdf::roughdiffuse::build(b, p).map(Material::RoughDiffuse)
+    }),
+    plugin("roughplastic", &bsdf::roughplastic::MANUAL, |b, p| {
+        bsdf::roughplastic::build(b, p).map(Material::RoughPlastic)
+    }),
+    plugin("thindielectric", &bsdf::thindielectric::MANUAL, |b, p| {
+        bsdf::thindielectric::build(b, p).map(Material::ThinDielectric)
+    }),
+    plugin("twosided", &bsdf::twosided::MANUAL, |b, p| {
+        bsdf::twosided::build(b, p).map(Material::TwoSided)
+    }),
 ];
 
 /// The shapes with geometry of their own.
 pub static SHAPES: &[Plugin<BuildGeometry>] = &[
     plugin("cube", &shape::cube::MANUAL, |_, p| shape::cube::build(p).map(Geometry::Mesh)),
-    plugin("cylinder", &shape::cylinder::MANUAL, |_, p| shape::cylinder::build(p).map(Geometry::Cylinder)),
+    plugin("cylinder", &shape::cylinder::MANUAL, |_, p| {
+        shape::cylinder::build(p).map(Geometry::Cylinder)
+    }),
     plugin("disk", &shape::disk::MANUAL, |_, p| shape::disk::build(p).map(Geometry::Disk)),
     plugin("obj", &shape::obj::MANUAL, |a, p| shape::obj::build(a, p).map(Geometry::Mesh)),
     plugin("ply", &shape::ply::MANUAL, |a, p| shape::ply::build(a, p).map(Geometry::Mesh)),
-    plugin("rectangle", &shape::rectangle::MANUAL, |_, p| shape::rectangle::build(p).map(Geometry::Mesh)),
-    plugin("revsurface", &shape::revsurface::MANUAL, |_, p| shape::revsurface::build(p).map(Geometry::Mesh)),
-    plugin("serialized", &shape::serialized::MANUAL, |a, p| shape::serialized::build(a, p).map(Geometry::Mesh)),
+    plugin("rectangle", &shape::rectangle::MANUAL, |_, p| {
+        shape::rectangle::build(p).map(Geometry::Mesh)
+    }),
+    plugin("revsurface", &shape::revsurface::MANUAL, |_, p| {
+        shape::revsurface::build(p).map(Geometry::Mesh)
+    }),
+    plugin("serialized", &shape::serialized::MANUAL, |a, p| {
+        shape::serialized::build(a, p).map(Geometry::Mesh)
+    }),
     plugin("sphere", &shape::sphere::MANUAL, |_, p| shape::sphere::build(p).map(Geometry::Sphere)),
 ];
 
@@ -87,16 +121,28 @@ pub static COMPOSITE_SHAPES: &[Plugin<()>] = &[
 
 /// The textures.
 pub static TEXTURES: &[Plugin<BuildTexture>] = &[
-    plugin("bitmap", &texture::bitmap::MANUAL, |b, p| texture::bitmap::build(b, p).map(Texture::Bitmap)),
-    plugin("checkerboard", &texture::checkerboard::MANUAL, |b, p| texture::checkerboard::build(b, p).map(Texture::Checkerboard)),
+    plugin("bitmap", &texture::bitmap::MANUAL, |b, p| {
+        texture::bitmap::build(b, p).map(Texture::Bitmap)
+    }),
+    plugin("checkerboard", &texture::checkerboard::MANUAL, |b, p| {
+        texture::checkerboard::build(b, p).map(Texture::Checkerboard)
+    }),
 ];
 
 /// The emitters that stand alone.
 pub static EMITTERS: &[Plugin<BuildEmitter>] = &[
-    plugin("constant", &emitter::constant::MANUAL, |b, p| emitter::constant::build(b, p).map(Emitter::Constant)),
-    plugin("directional", &emitter::directional::MANUAL, |b, p| emitter::directional::build(b, p).map(Emitter::Directional)),
-    plugin("envmap", &emitter::envmap::MANUAL, |b, p| emitter::envmap::build(b, p).map(Emitter::Environment)),
-    plugin("point", &emitter::point::MANUAL, |b, p| emitter::point::build(b, p).map(Emitter::Point)),
+    plugin("constant", &emitter::constant::MANUAL, |b, p| {
+        emitter::constant::build(b, p).map(Emitter::Constant)
+    }),
+    plugin("directional", &emitter::directional::MANUAL, |b, p| {
+        emitter::directional::build(b, p).map(Emitter::Directional)
+    }),
+    plugin("envmap", &emitter::envmap::MANUAL, |b, p| {
+        emitter::envmap::build(b, p).map(Emitter::Environment)
+    }),
+    plugin("point", &emitter::point::MANUAL, |b, p| {
+        emitter::point::build(b, p).map(Emitter::Point)
+    }),
     plugin("spot", &emitter::spot::MANUAL, |b, p| emitter::spot::build(b, p).map(Emitter::Spot)),
 ];
 
@@ -105,9 +151,15 @@ pub static SHAPE_EMITTERS: &[Plugin<()>] = &[plugin("area", &emitter::area::MANU
 
 /// The sensors.
 pub static SENSORS: &[Plugin<BuildSensor>] = &[
-    plugin("orthographic", &sensor::orthographic::MANUAL, |b, p, f| sensor::orthographic::build(b, p, f).map(Sensor::Orthographic)),
-    plugin("perspective", &sensor::perspective::MANUAL, |b, p, f| sensor::perspective::build(b, p, f).map(Sensor::Perspective)),
-    plugin("thinlens", &sensor::thinlens::MANUAL, |b, p, f| sensor::thinlens::build(b, p, f).map(Sensor::ThinLens)),
+    plugin("orthographic", &sensor::orthographic::MANUAL, |b, p, f| {
+        sensor::orthographic::build(b, p, f).map(Sensor::Orthographic)
+    }),
+    plugin("perspective", &sensor::perspective::MANUAL, |b, p, f| {
+        sensor::perspective::build(b, p, f).map(Sensor::Perspective)
+    }),
+    plugin("thinlens", &sensor::thinlens::MANUAL, |b, p, f| {
+        sensor::thinlens::build(b, p, f).map(Sensor::ThinLens)
+    }),
 ];
 
 /// The films.
@@ -142,7 +194,10 @@ pub fn report_unknown(parameters: &Parameters<'_>, names: impl Iterator<Item = &
 
 /// Every plugin of this crate: class, name and manual page.
 pub fn plugins() -> Vec<(Class, &'static str, &'static Manual)> {
-    fn pages<F>(class: Class, table: &'static [Plugin<F>]) -> impl Iterator<Item = (Class, &'static str, &'static Manual)> {
+    fn pages<F>(
+        class: Class,
+        table: &'static [Plugin<F>],
+    ) -> impl Iterator<Item = (Class, &'static str, &'static Manual)> {
         table.iter().map(move |plugin| (class, plugin.name, plugin.manual))
     }
     let mut all: Vec<_> = pages(Class::Shape, SHAPES).collect();

@@ -315,7 +315,13 @@ impl Primitives for Scene {
         self.intersect_shape(ShapeId(geometry), ray)
     }
 
-    fn intersect_in(&self, instance: u32, geometry: u32, _: u32, ray: &Ray) -> Option<PrimitiveHit> {
+    fn intersect_in(
+        &self,
+        instance: u32,
+        geometry: u32,
+        _: u32,
+        ray: &Ray,
+    ) -> Option<PrimitiveHit> {
         let Geometry::Instance(instance) = &self.shapes[instance as usize].geometry else {
             return None;
         };

@@ -1,16 +1,37 @@
 //! Integrators that only steer another one.
 
-use etendue_document::{Class, Node};
+use etendue_document::{Class, Node, Parameter, Value};
 
 use super::approximation::Approximations;
+use super::{find, take};
 
 /// Wrappers of version 0.6 that change where samples go or what is cached, not the picture that
 /// the integrator inside them converges to; and version 3's Stokes vectors, whose first component
 /// is that picture.
 const WRAPPERS: &[&str] = &["adaptive", "irrcache", "stokes"];
 
-/// Puts the nested integrator, which has been upgraded, in the place of its wrapper.
+/// Upgrades an integrator whose children have been upgraded.
 pub(super) fn upgrade(nodes: &mut [Node], index: usize, approximations: &mut Approximations) {
+    drop_strict_normals(&mut nodes[index], approximations);
+    unwrap(nodes, index, approximations);
+}
+
+/// Version 0.6's `strictNormals` cuts off light whose sides differ by the geometric and the shading
+/// normal. Version 3 has nothing of the kind and drops it from the scenes that it converts; meshes
+/// without normals are smooth there, and lose much light by it. Scenes written in the old way are
+/// rendered as version 3 renders them; `strict_normals` still asks for it.
+fn drop_strict_normals(node: &mut Node, approximations: &mut Approximations) {
+    let old = find(node, "strict_normals").filter(|old| old.original_name == "strictNormals");
+    let Some(Parameter { value: Value::Boolean(wanted), span, .. }) = old.cloned() else { return };
+    take(node, "strict_normals");
+    if wanted {
+        let message = "`strictNormals` is dropped, as in version 3: `strict_normals` asks for it";
+        approximations.add(message, span);
+    }
+}
+
+/// Puts the nested integrator, which has been upgraded, in the place of its wrapper.
+fn unwrap(nodes: &mut [Node], index: usize, approximations: &mut Approximations) {
     let wrapper = &nodes[index];
     if !WRAPPERS.contains(&wrapper.plugin.as_str()) {
         return;

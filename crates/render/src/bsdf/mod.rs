@@ -99,8 +99,13 @@ pub trait Closure {
     fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32);
 
     /// Chooses `wo` given `wi`; see the module's contract. `lobe` and `direction` are uniform in [0, 1).
-    fn sample(&self, wi: Vec3, lobe: f32, direction: Vec2, transport: Transport)
-    -> Option<BsdfSample>;
+    fn sample(
+        &self,
+        wi: Vec3,
+        lobe: f32,
+        direction: Vec2,
+        transport: Transport,
+    ) -> Option<BsdfSample>;
 
     /// Whether any lobe is smooth, so that next-event estimation can find light.
     fn has_smooth_lobe(&self) -> bool;

@@ -382,11 +382,12 @@ impl<'a> Bsdf<'a> {
         })
     }
 
-    /// The shading normal after bump and normal maps, in the shading frame, on the side of `wi`.
+    /// The shading normal after bump and normal maps, in the shading frame: that of the surface, not
+    /// turned towards the viewer.
     #[must_use]
-    pub fn normal(&self, wi: Vec3) -> Vec3 {
-        let normal = self.first.as_ref().map_or(Vec3::Z, |leaf| leaf.placement.to_shading(Vec3::Z));
-        if normal.dot(wi) < 0.0 { -normal } else { normal }
+    pub fn normal(&self) -> Vec3 {
+        let turned = self.first.as_ref().and_then(|leaf| leaf.placement.turned);
+        turned.map_or(Vec3::Z, |frame| frame.n)
     }
 }
 

@@ -30,7 +30,10 @@ pub struct Assets<'a> {
 
 impl Debug for Assets<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.debug_struct("Assets").field("skip_missing", &self.skip_missing).finish_non_exhaustive()
+        formatter
+            .debug_struct("Assets")
+            .field("skip_missing", &self.skip_missing)
+            .finish_non_exhaustive()
     }
 }
 

@@ -61,7 +61,11 @@ impl Builder<'_> {
         match self.color(parameters, name, default, usage) {
             ColorSource::Constant(color) => color,
             ColorSource::Texture(_) => {
-                parameters.error(Fault::BadValue, name, "expected a colour: no texture can stand here");
+                parameters.error(
+                    Fault::BadValue,
+                    name,
+                    "expected a colour: no texture can stand here",
+                );
                 Spectrum::splat(default)
             }
         }
@@ -126,9 +130,16 @@ impl Builder<'_> {
     }
 
     /// A scalar parameter: a number or a texture.
-    pub fn scalar(&mut self, parameters: &Parameters<'_>, name: &str, default: f32) -> ScalarSource {
+    pub fn scalar(
+        &mut self,
+        parameters: &Parameters<'_>,
+        name: &str,
+        default: f32,
+    ) -> ScalarSource {
         if let Some(child) = parameters.child(name) {
-            return self.texture(child.node).map_or(ScalarSource::Constant(0.5), ScalarSource::Texture);
+            return self
+                .texture(child.node)
+                .map_or(ScalarSource::Constant(0.5), ScalarSource::Texture);
         }
         match parameters.value(name) {
             Some((Value::Float(_) | Value::Integer(_), _)) | None => {
@@ -142,7 +153,12 @@ impl Builder<'_> {
     }
 
     /// An index of refraction: a number, or the name of a material.
-    pub fn refractive_index(&mut self, parameters: &Parameters<'_>, name: &str, default: &str) -> f32 {
+    pub fn refractive_index(
+        &mut self,
+        parameters: &Parameters<'_>,
+        name: &str,
+        default: &str,
+    ) -> f32 {
         let fallback = refractive_index(default).unwrap_or(1.0);
         let Some((Value::String(material), _)) = parameters.value(name) else {
             let range = f64::from(f32::MIN_POSITIVE)..=1e3;
@@ -151,7 +167,8 @@ impl Builder<'_> {
         refractive_index(material).unwrap_or_else(|| {
             let near = near_names(material, refractive_index_names());
             let near = if near.is_empty() { refractive_index_names().collect() } else { near };
-            let message = format!("no material `{material}` is known; there is {}", list_names(near));
+            let message =
+                format!("no material `{material}` is known; there is {}", list_names(near));
             parameters.error(Fault::BadValue, name, message);
             fallback
         })

@@ -21,11 +21,14 @@ impl<'a> Builder<'a> {
         let mut parts = Parts::default();
         let children = root.children_of(Class::Shape);
         let plugin = |child: &&Child| self.assets.document.node(child.node).plugin.as_str();
-        let (composite, simple): (Vec<_>, Vec<_>) = children
-            .into_iter()
-            .partition(|child| registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin(child)));
-        let instances: Vec<NodeId> =
-            composite.iter().filter(|child| plugin(child) == "instance").map(|child| child.node).collect();
+        let (composite, simple): (Vec<_>, Vec<_>) = children.into_iter().partition(|child| {
+            registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin(child))
+        });
+        let instances: Vec<NodeId> = composite
+            .iter()
+            .filter(|child| plugin(child) == "instance")
+            .map(|child| child.node)
+            .collect();
         for child in simple {
             if let Some(shape) = loaded.remove(&child.node) {
                 self.add_shape(shape, &mut parts);
@@ -65,7 +68,10 @@ impl<'a> Builder<'a> {
         let child = parameters.unnamed_child(Class::Emitter)?;
         let parameters = self.parameters(child.node);
         if parameters.plugin() != "area" {
-            registry::report_unknown(&parameters, registry::SHAPE_EMITTERS.iter().map(|entry| entry.name));
+            registry::report_unknown(
+                &parameters,
+                registry::SHAPE_EMITTERS.iter().map(|entry| entry.name),
+            );
             return None;
         }
         let emitter = area::build(self, &parameters, shape);
@@ -73,7 +79,12 @@ impl<'a> Builder<'a> {
         Some(Emitter::Area(emitter))
     }
 
-    fn add_instances(&mut self, nodes: &[NodeId], loaded: &mut LoadedShapes<'a>, parts: &mut Parts) {
+    fn add_instances(
+        &mut self,
+        nodes: &[NodeId],
+        loaded: &mut LoadedShapes<'a>,
+        parts: &mut Parts,
+    ) {
         // Groups are built first: an instance's box needs its group's.
         let mut groups: HashMap<NodeId, Option<GroupId>> = HashMap::new();
         let mut grouped_shapes = Vec::new();
@@ -90,7 +101,9 @@ impl<'a> Builder<'a> {
         let mut first = first_grouped;
         for shapes in &grouped_shapes {
             match build_tree(shapes, &[]) {
-                Ok(bvh) => parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) }),
+                Ok(bvh) => {
+                    parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) })
+                }
                 Err(problem) => {
                     self.assets.diagnostics.error(Fault::Geometry, None, problem);
                     return;
@@ -116,7 +129,11 @@ impl<'a> Builder<'a> {
         grouped_shapes: &mut Vec<Vec<Shape>>,
     ) -> Option<GroupId> {
         let Some(child) = instance.unnamed_child(Class::Shape) else {
-            instance.error(Fault::MissingParameter, "shapegroup", "an instance needs a shape group");
+            instance.error(
+                Fault::MissingParameter,
+                "shapegroup",
+                "an instance needs a shape group",
+            );
             return None;
         };
         if let Some(known) = groups.get(&child.node) {
@@ -127,7 +144,11 @@ impl<'a> Builder<'a> {
             grouped_shapes.push(self.grouped(&parameters, loaded));
             Some(GroupId(grouped_shapes.len() as u32 - 1))
         } else {
-            parameters.error(Fault::BadValue, "shapegroup", "an instance takes a `shapegroup`, no other shape");
+            parameters.error(
+                Fault::BadValue,
+                "shapegroup",
+                "an instance takes a `shapegroup`, no other shape",
+            );
             None
         };
         parameters.finish();

@@ -16,7 +16,12 @@ use glam::{Vec2, Vec3};
 pub const MANUAL: Manual = Manual {
     summary: "Makes the shape that it is nested in a diffuse light: radiance leaves its front, the same \
               in all directions.",
-    parameters: &[parameter("radiance", "spectrum or texture", "1", "Radiance that leaves the surface, W·m⁻²·sr⁻¹.")],
+    parameters: &[parameter(
+        "radiance",
+        "spectrum or texture",
+        "1",
+        "Radiance that leaves the surface, W·m⁻²·sr⁻¹.",
+    )],
     sample: r#"<shape type="sphere"><emitter type="area"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
 };
 
@@ -72,7 +77,11 @@ impl Area {
             radiance,
             pdf: sample.pdf,
             delta: false,
-            target: Target::Point { point: sample.point, error: sample.error, normal: sample.normal },
+            target: Target::Point {
+                point: sample.point,
+                error: sample.error,
+                normal: sample.normal,
+            },
         })
     }
 

@@ -25,7 +25,9 @@ pub struct Constant {
 /// Reads uniform surroundings.
 #[must_use]
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Constant> {
-    Some(Constant { radiance: builder.constant_color(parameters, "radiance", 1.0, SpectrumUse::Emission) })
+    Some(Constant {
+        radiance: builder.constant_color(parameters, "radiance", 1.0, SpectrumUse::Emission),
+    })
 }
 
 impl Constant {

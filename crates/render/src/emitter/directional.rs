@@ -11,9 +11,19 @@ use glam::{DVec3, Vec3};
 pub const MANUAL: Manual = Manual {
     summary: "Parallel light that travels along `direction`, or along +z of `to_world`.",
     parameters: &[
-        parameter("irradiance", "spectrum", "1", "Irradiance on a surface that faces the light, W·m⁻²."),
+        parameter(
+            "irradiance",
+            "spectrum",
+            "1",
+            "Irradiance on a surface that faces the light, W·m⁻².",
+        ),
         parameter("direction", "vector", "", "Where the light travels to."),
-        parameter("to_world", "transform", "", "Its z axis is where the light travels to, unless `direction` is given."),
+        parameter(
+            "to_world",
+            "transform",
+            "",
+            "Its z axis is where the light travels to, unless `direction` is given.",
+        ),
     ],
     sample: r#"<emitter type="directional"><vector name="direction" x="1" y="-2" z="0.5"/></emitter>"#,
 };

@@ -62,7 +62,11 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<E
 }
 
 impl EnvironmentMap {
-    fn new(to_world: Transform, [width, height]: [usize; 2], texels: Vec<[f32; 3]>) -> Option<Self> {
+    fn new(
+        to_world: Transform,
+        [width, height]: [usize; 2],
+        texels: Vec<[f32; 3]>,
+    ) -> Option<Self> {
         if texels.iter().flatten().any(|x| !x.is_finite() || *x < 0.0) {
             return None;
         }
@@ -75,8 +79,14 @@ impl EnvironmentMap {
             let sin_theta = ((y as f32 + 0.5) / rows as f32 * PI).sin();
             for x in 0..width {
                 let below = (y + 1).min(height - 1) * width;
-                let corners = [y * width + x, y * width + (x + 1) % width, below + x, below + (x + 1) % width];
-                weights.push(corners.iter().map(|corner| luminance[*corner]).sum::<f32>() * sin_theta);
+                let corners = [
+                    y * width + x,
+                    y * width + (x + 1) % width,
+                    below + x,
+                    below + (x + 1) % width,
+                ];
+                weights
+                    .push(corners.iter().map(|corner| luminance[*corner]).sum::<f32>() * sin_theta);
             }
         }
         let distribution = Distribution2D::new(&weights, (width as u32, rows as u32)).ok()?;
@@ -159,7 +169,10 @@ mod tests {
         ];
         for (direction, [red, green]) in expected {
             let found = counting_map().radiance(Vec3::from(direction).normalize()).rgb();
-            assert!((found[0] - red).abs() < 1e-4 && (found[1] - green).abs() < 1e-4, "{direction:?}: {found:?}");
+            assert!(
+                (found[0] - red).abs() < 1e-4 && (found[1] - green).abs() < 1e-4,
+                "{direction:?}: {found:?}"
+            );
         }
     }
 
@@ -168,7 +181,9 @@ mod tests {
         let mut random = TestRng::new(7);
         let map = counting_map();
         for _ in 0..1000 {
-            let sample = map.sample_direction(Vec2::new(random.next_f32(), random.next_f32())).expect("bright");
+            let sample = map
+                .sample_direction(Vec2::new(random.next_f32(), random.next_f32()))
+                .expect("bright");
             let pdf = map.pdf_direction(sample.direction);
             assert!((pdf / sample.pdf - 1.0).abs() < 2e-3, "{sample:?}: {pdf}");
         }
@@ -177,7 +192,9 @@ mod tests {
     #[test]
     fn dark_and_broken_pictures_are_refused() {
         for value in [0.0, f32::NAN, -1.0, f32::INFINITY] {
-            assert!(EnvironmentMap::new(Transform::IDENTITY, [2, 2], vec![[value; 3]; 4]).is_none());
+            assert!(
+                EnvironmentMap::new(Transform::IDENTITY, [2, 2], vec![[value; 3]; 4]).is_none()
+            );
         }
     }
 }

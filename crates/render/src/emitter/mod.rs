@@ -122,7 +122,9 @@ impl Emitter {
         surface: Option<&SurfaceInteraction>,
     ) -> f32 {
         match (self, surface) {
-            (Self::Area(emitter), Some(surface)) => emitter.pdf_direction(scene, reference, surface),
+            (Self::Area(emitter), Some(surface)) => {
+                emitter.pdf_direction(scene, reference, surface)
+            }
             (Self::Constant(emitter), _) => emitter.pdf_direction(),
             (Self::Environment(emitter), _) => emitter.pdf_direction(direction),
             _ => 0.0,

@@ -18,8 +18,18 @@ pub const MANUAL: Manual = Manual {
               between `beam_width` and `cutoff_angle`; placed by `to_world`.",
     parameters: &[
         parameter("intensity", "spectrum", "1", "Radiant intensity within the beam, W·sr⁻¹."),
-        parameter("cutoff_angle", "float", "20", "Beyond this angle from the axis there is no light (degrees)."),
-        parameter("beam_width", "float", "", "Up to this angle there is all of it (degrees); ¾ of `cutoff_angle`."),
+        parameter(
+            "cutoff_angle",
+            "float",
+            "20",
+            "Beyond this angle from the axis there is no light (degrees).",
+        ),
+        parameter(
+            "beam_width",
+            "float",
+            "",
+            "Up to this angle there is all of it (degrees); ¾ of `cutoff_angle`.",
+        ),
         parameter("texture", "texture", "", "A picture projected into the cone."),
         parameter("to_world", "transform", "", "Placement."),
     ],
@@ -57,7 +67,11 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
 }
 
 impl Spot {
-    pub(super) fn sample_direction(&self, scene: &Scene, reference: Vec3) -> Option<DirectionSample> {
+    pub(super) fn sample_direction(
+        &self,
+        scene: &Scene,
+        reference: Vec3,
+    ) -> Option<DirectionSample> {
         let local = self.to_world.inverse_point(reference).try_normalize()?;
         let intensity = self.intensity_towards(scene.textures(), local);
         if intensity.is_black() {

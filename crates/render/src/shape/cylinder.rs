@@ -47,7 +47,10 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Cylinder> {
     let scale = DMat3::from_mat4(to_world).determinant().abs().cbrt();
     let own = Frame::from_normal(axis.as_vec3().normalize_or(Vec3::Z));
     let unscaled = |v: Vec3| to_world.inverse().transform_vector3(v.as_dvec3()).length() * scale;
-    if !(length > 0.0) || (unscaled(own.s) - 1.0).abs() > 1e-3 || (unscaled(own.t) - 1.0).abs() > 1e-3 {
+    if !(length > 0.0)
+        || (unscaled(own.s) - 1.0).abs() > 1e-3
+        || (unscaled(own.t) - 1.0).abs() > 1e-3
+    {
         parameters.error(
             Fault::BadValue,
             "to_world",
@@ -92,13 +95,18 @@ impl Cylinder {
     pub fn surface_point(&self, uv: Vec2) -> SurfacePoint {
         let (sin, cos) = (f64::from(uv.x) * std::f64::consts::TAU).sin_cos();
         let point = self.to_world.transform_point3(DVec3::new(cos, sin, f64::from(uv.y))).as_vec3();
-        let outwards = self.to_world.transform_vector3(DVec3::new(cos, sin, 0.0)).as_vec3().normalize_or(Vec3::Z);
+        let outwards = self
+            .to_world
+            .transform_vector3(DVec3::new(cos, sin, 0.0))
+            .as_vec3()
+            .normalize_or(Vec3::Z);
         let normal = if self.flip_normals { -outwards } else { outwards };
         SurfacePoint {
             point,
             // The azimuth is single precision, which moves the point along the surface; off the
             // surface only the last rounding counts.
-            error: point.abs() * rounding_error_bound(3) + Vec3::splat((self.radius * 1e-12) as f32),
+            error: point.abs() * rounding_error_bound(3)
+                + Vec3::splat((self.radius * 1e-12) as f32),
             normal,
             shading_normal: normal,
             uv,

@@ -64,8 +64,10 @@ impl Instance {
 /// A bound of the error of a transformed point: the mapped bound, and the rounding of the sums
 /// (*Physically Based Rendering*, 4th ed., section 6.8.6).
 fn transformed_error(map: Affine3A, point: Vec3, error: Vec3) -> Vec3 {
-    let columns = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(|c| Vec3::from(c).abs());
+    let columns =
+        [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(|c| Vec3::from(c).abs());
     let gamma = rounding_error_bound(4);
     let spread = |v: Vec3| columns[0] * v.x + columns[1] * v.y + columns[2] * v.z;
-    spread(error) * (1.0 + gamma) + (spread(point.abs()) + Vec3::from(map.translation).abs()) * gamma
+    spread(error) * (1.0 + gamma)
+        + (spread(point.abs()) + Vec3::from(map.translation).abs()) * gamma
 }

@@ -193,7 +193,9 @@ impl Shape {
     #[must_use]
     pub fn pdf_direction(&self, reference: Vec3, surface: &SurfaceInteraction) -> f32 {
         match &self.geometry {
-            Geometry::Sphere(sphere) => sphere.pdf_direction(reference, surface.point, surface.normal),
+            Geometry::Sphere(sphere) => {
+                sphere.pdf_direction(reference, surface.point, surface.normal)
+            }
             _ => {
                 let path = surface.point - reference;
                 area_to_solid_angle(1.0 / self.area(), path, surface.normal).unwrap_or(0.0)

@@ -13,9 +13,19 @@ pub const MANUAL: Manual = Manual {
     parameters: &[
         parameter("filename", "string", "", "The file."),
         parameter("face_normals", "boolean", "false", "Ignore the file's normals: flat facets."),
-        parameter("flip_tex_coords", "boolean", "true", "Turn v into 1 − v, as most tools write it."),
+        parameter(
+            "flip_tex_coords",
+            "boolean",
+            "true",
+            "Turn v into 1 − v, as most tools write it.",
+        ),
         parameter("flip_normals", "boolean", "false", "Turn front and back around."),
-        parameter("max_smooth_angle", "float", "", "Separate normals at edges sharper than this (degrees)."),
+        parameter(
+            "max_smooth_angle",
+            "float",
+            "",
+            "Separate normals at edges sharper than this (degrees).",
+        ),
         parameter("to_world", "transform", "", "Placement."),
     ],
     sample: r#"<shape type="obj"><string name="filename" value="sample.obj"/></shape>"#,

@@ -15,7 +15,12 @@ pub const MANUAL: Manual = Manual {
         parameter("face_normals", "boolean", "false", "Ignore the file's normals: flat facets."),
         parameter("flip_tex_coords", "boolean", "false", "Turn v into 1 − v."),
         parameter("flip_normals", "boolean", "false", "Turn front and back around."),
-        parameter("max_smooth_angle", "float", "", "Separate normals at edges sharper than this (degrees)."),
+        parameter(
+            "max_smooth_angle",
+            "float",
+            "",
+            "Separate normals at edges sharper than this (degrees).",
+        ),
         parameter("to_world", "transform", "", "Placement."),
     ],
     sample: r#"<shape type="ply"><string name="filename" value="sample.ply"/></shape>"#,

@@ -17,12 +17,7 @@ pub fn from_b_spline(points: &[DVec2]) -> Vec<Segment> {
         .map(|p| {
             let third = |a: DVec2, b: DVec2| (a * 2.0 + b) / 3.0;
             let joint = |a: DVec2, b: DVec2, c: DVec2| (a + b * 4.0 + c) / 6.0;
-            [
-                joint(p[0], p[1], p[2]),
-                third(p[1], p[2]),
-                third(p[2], p[1]),
-                joint(p[1], p[2], p[3]),
-            ]
+            [joint(p[0], p[1], p[2]), third(p[1], p[2]), third(p[2], p[1]), joint(p[1], p[2], p[3])]
         })
         .collect()
 }

@@ -44,7 +44,11 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Mesh> {
 
 fn read_profile(parameters: &Parameters<'_>) -> Option<Vec<Segment>> {
     let Some(curve) = parameters.unnamed_child(Class::Curve) else {
-        parameters.error(Fault::MissingParameter, "curve", "a surface of revolution needs a `<curve>`");
+        parameters.error(
+            Fault::MissingParameter,
+            "curve",
+            "a surface of revolution needs a `<curve>`",
+        );
         return None;
     };
     let curve = parameters.document().parameters(curve.node, parameters.diagnostics());
@@ -85,7 +89,8 @@ fn tessellate(segments: &[Segment]) -> TriangleMesh {
         // One vertex more than steps: the seam has two coordinates at the same position.
         for step in 0..=STEPS_AROUND {
             let u = f64::from(step) / f64::from(STEPS_AROUND);
-            let (sin, cos) = (TAU * f64::from(step % STEPS_AROUND) / f64::from(STEPS_AROUND)).sin_cos();
+            let (sin, cos) =
+                (TAU * f64::from(step % STEPS_AROUND) / f64::from(STEPS_AROUND)).sin_cos();
             let turned = |p: DVec2| Vec3::new((p.x * cos) as f32, p.y as f32, (p.x * sin) as f32);
             mesh.positions.push(turned(ring.point));
             mesh.normals.push(turned(DVec2::new(-ring.tangent.y, ring.tangent.x)));
@@ -94,7 +99,8 @@ fn tessellate(segments: &[Segment]) -> TriangleMesh {
     }
     for ring in 1..rings.len() as u32 {
         for step in 0..STEPS_AROUND {
-            let (below, above) = ((ring - 1) * (STEPS_AROUND + 1) + step, ring * (STEPS_AROUND + 1) + step);
+            let (below, above) =
+                ((ring - 1) * (STEPS_AROUND + 1) + step, ring * (STEPS_AROUND + 1) + step);
             mesh.indices.push([above, below + 1, below]);
             mesh.indices.push([above, above + 1, below + 1]);
         }
@@ -117,7 +123,11 @@ fn rings(segments: &[Segment]) -> Vec<Ring> {
         for step in 0..steps as usize + usize::from(last) {
             let s = step as f64 / steps;
             let v = (index as f64 + s) / count;
-            rings.push(Ring { point: profile::point(segment, s), tangent: profile::tangent(segment, s), v });
+            rings.push(Ring {
+                point: profile::point(segment, s),
+                tangent: profile::tangent(segment, s),
+                v,
+            });
         }
     }
     rings

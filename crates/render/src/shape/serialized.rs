@@ -14,7 +14,12 @@ pub const MANUAL: Manual = Manual {
         parameter("shape_index", "integer", "0", "Which of the file's meshes, counted from zero."),
         parameter("face_normals", "boolean", "false", "Ignore the file's normals: flat facets."),
         parameter("flip_normals", "boolean", "false", "Turn front and back around."),
-        parameter("max_smooth_angle", "float", "", "Separate normals at edges sharper than this (degrees)."),
+        parameter(
+            "max_smooth_angle",
+            "float",
+            "",
+            "Separate normals at edges sharper than this (degrees).",
+        ),
         parameter("to_world", "transform", "", "Placement."),
     ],
     sample: r#"<shape type="serialized"><string name="filename" value="sample.serialized"/></shape>"#,

@@ -9,7 +9,12 @@ use std::sync::Arc;
 pub const MANUAL: Manual = Manual {
     summary: "Shapes that are not seen themselves, but wherever an `instance` places the group. The \
               shapes must not emit light or be instances.",
-    parameters: &[parameter("shapes", "shape", "", "The shapes: nested, or references; any names.")],
+    parameters: &[parameter(
+        "shapes",
+        "shape",
+        "",
+        "The shapes: nested, or references; any names.",
+    )],
     sample: r#"<shape type="shapegroup"><shape type="sphere"/><shape type="cube"/></shape>"#,
 };
 

@@ -18,7 +18,12 @@ pub const MANUAL: Manual = Manual {
         parameter("center", "point", "0, 0, 0", "The centre, before `to_world`."),
         parameter("radius", "float", "1", "The radius, before `to_world`."),
         parameter("flip_normals", "boolean", "false", "Let the normals point inwards."),
-        parameter("to_world", "transform", "", "Placement; it may scale, but equally along all axes."),
+        parameter(
+            "to_world",
+            "transform",
+            "",
+            "Placement; it may scale, but equally along all axes.",
+        ),
     ],
     sample: r#"<shape type="sphere"><point name="center" x="0" y="1" z="0"/><float name="radius" value="0.5"/></shape>"#,
 };
@@ -43,7 +48,9 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Sphere> {
     read_transform(parameters, "to_world")?;
     let linear = DMat3::from_mat4(matrix);
     let scale = linear.x_axis.length();
-    let uniform = [linear.y_axis, linear.z_axis].iter().all(|axis| (axis.length() / scale - 1.0).abs() < 1e-3)
+    let uniform = [linear.y_axis, linear.z_axis]
+        .iter()
+        .all(|axis| (axis.length() / scale - 1.0).abs() < 1e-3)
         && linear.x_axis.dot(linear.y_axis).abs() < 1e-3 * scale * scale
         && linear.y_axis.dot(linear.z_axis).abs() < 1e-3 * scale * scale
         && linear.z_axis.dot(linear.x_axis).abs() < 1e-3 * scale * scale;
@@ -56,7 +63,12 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Sphere> {
         return None;
     }
     let to_local = (linear * (1.0 / scale)).transpose();
-    Some(Sphere { center: matrix.transform_point3(center), radius: radius * scale, to_local, flip_normals })
+    Some(Sphere {
+        center: matrix.transform_point3(center),
+        radius: radius * scale,
+        to_local,
+        flip_normals,
+    })
 }
 
 impl Sphere {
@@ -70,7 +82,8 @@ impl Sphere {
         let a = direction.length_squared();
         let nearest = -origin.dot(direction) / a;
         let miss = origin + direction * nearest;
-        let (low, high) = quadratic_roots(a, 0.0, miss.length_squared() - self.radius * self.radius)?;
+        let (low, high) =
+            quadratic_roots(a, 0.0, miss.length_squared() - self.radius * self.radius)?;
         let inside = |t: &f32| *t > 0.0 && *t < ray.t_max;
         [(nearest + low) as f32, (nearest + high) as f32].into_iter().find(inside)
     }
@@ -106,7 +119,8 @@ impl Sphere {
             point,
             // The centre, the radius and the direction are known in double precision: only the last
             // rounding of each coordinate counts, and the products' 1e-16 of the radius.
-            error: point.abs() * rounding_error_bound(2) + Vec3::splat((self.radius * 1e-15) as f32),
+            error: point.abs() * rounding_error_bound(2)
+                + Vec3::splat((self.radius * 1e-15) as f32),
             normal,
             shading_normal: normal,
             uv: Vec2::new(azimuth / TAU, theta / PI),
@@ -121,7 +135,9 @@ impl Sphere {
         let grow = |v: DVec3, sign: f64| {
             let exact = v + DVec3::splat(sign * self.radius);
             let rounded = exact.as_vec3();
-            Vec3::from_array(rounded.to_array().map(|x| if sign < 0.0 { x.next_down() } else { x.next_up() }))
+            Vec3::from_array(
+                rounded.to_array().map(|x| if sign < 0.0 { x.next_down() } else { x.next_up() }),
+            )
         };
         Bounds3::new(grow(self.center, -1.0), grow(self.center, 1.0))
     }
@@ -174,7 +190,8 @@ impl Sphere {
         let sin2 = one_minus_cos * (2.0 - one_minus_cos);
         let cos = 1.0 - one_minus_cos;
         // The angle at the centre between the direction to the reference and to the point.
-        let along = distance * cos - (self.radius * self.radius - distance * distance * sin2).max(0.0).sqrt();
+        let along = distance * cos
+            - (self.radius * self.radius - distance * distance * sin2).max(0.0).sqrt();
         let sin_center = (along * sin2.sqrt() / self.radius).min(1.0);
         let cos_center = ((distance - along * cos) / self.radius).clamp(-1.0, 1.0);
         let axis = to_reference / distance;
@@ -191,7 +208,8 @@ impl Sphere {
     pub fn pdf_direction(&self, reference: Vec3, point: Vec3, normal: Vec3) -> f32 {
         match self.sin2_half_angle(reference) {
             Some(sin2_max) => cone_pdf(cone_height(sin2_max)),
-            None => super::area_to_solid_angle(1.0 / self.area(), point - reference, normal).unwrap_or(0.0),
+            None => super::area_to_solid_angle(1.0 / self.area(), point - reference, normal)
+                .unwrap_or(0.0),
         }
     }
 }
