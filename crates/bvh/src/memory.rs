@@ -1,8 +1,8 @@
 //! Memory for large arrays.
 
 /// An empty vector with room for `capacity` items, in large pages where the system has them for
-/// those who ask. A ray touches memory all over the hierarchy, and with small pages most of these
-/// are missing from the address cache: asking made random rays a fifth faster.
+/// those who ask: fewer page faults while it is filled, and fewer misses of the address cache when
+/// rays touch it all over.
 pub(crate) fn vector_with_capacity<T>(capacity: usize) -> Vec<T> {
     let mut vector = Vec::with_capacity(capacity);
     #[cfg(target_os = "linux")]

@@ -71,6 +71,13 @@ impl Nearest {
     }
 }
 
+/// The traversal, in one piece: with the ordering of children and the stack in functions of their
+/// own, all inlined, the compiler chose other branches and rays were a twentieth slower.
+///
+/// One child that is met and two are by far the most common, and have ways of their own. Tried and
+/// slower: ways without branches (the chain of dependent instructions grows by more than the wrong
+/// guesses cost; any-hit rays by a fifth), passing over four waiting entries at a time, prefetching
+/// what waits (no difference), other weights of nodes against blocks (no difference).
 #[inline(always)]
 pub(super) fn closest<S: Simd, P: Primitives>(
     bvh: &Bvh,
