@@ -42,8 +42,8 @@
 //!
 //! # Accuracy of a hit
 //!
-//! `t`, `u` and `v` come from divisions of sums without cancellation, and lie in the closed
-//! triangle. Interpolating the position by the barycentrics, `(1-u-v) p0 + u p1 + v p2`, gives a
+//! `t`, `u` and `v` come from sums without cancellation: `u` and `v` are not negative, and their
+//! sum exceeds 1 by no more than rounding. Interpolating the position by the barycentrics, `(1-u-v) p0 + u p1 + v p2`, gives a
 //! point whose coordinates are within γ₇ · (|(1-u-v) p0| + |u p1| + |v p2|) of the triangle's
 //! plane section it stands for, γ₇ = 7ε/(1-7ε) with ε = 2⁻²⁴ (Pharr, Jakob and Humphreys,
 //! *Physically Based Rendering*, 4th ed., section 6.8.5); `origin + t · direction` is less exact

@@ -253,3 +253,36 @@ fn hits_count_strictly_between_the_ends_of_the_ray() {
     };
     assert!(!from(1.0, 1.0) && from(1.0, 1.0_f32.next_up()) && !from(0.0, 1.0));
 }
+
+#[test]
+fn spatial_splits_cut_slanted_triangles_and_change_no_hit() {
+    let mut random = Random::new(61);
+    // Thin and long, across all three axes.
+    let positions: Vec<Vec3> = (0..300)
+        .flat_map(|_| {
+            let start = random.point() * 4.0;
+            let along = Vec3::new(3.0, 3.0, 3.0) + random.point();
+            [start, start + along, start + along + random.point() * 0.02]
+        })
+        .collect();
+    let indices: Vec<[u32; 3]> = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mesh = TriangleMeshView { positions: &positions, indices: &indices };
+    let build = |options: &BuildOptions| {
+        Bvh::build(&[GeometryView::Triangles(mesh)], options).expect("valid")
+    };
+    let often = BuildOptions { split_budget: 4.0, ..BuildOptions::SPATIAL };
+    let (plain, split) = (build(&BuildOptions::BALANCED), build(&often));
+    split.validate().expect("sound");
+    assert!(split.statistics().triangle_references > 350, "{:?}", split.statistics());
+    let mut hits = 0;
+    for _ in 0..20_000 {
+        // Aimed at the inside of a triangle, which another may hide.
+        let target = positions[random.bits() as usize % 300 * 3 + 1];
+        let origin = random.point() * 10.0;
+        let ray = Ray::new(origin, target + random.point() * 0.01 - origin);
+        let hit = plain.intersect(&ray, &NoPrimitives);
+        assert_eq!(split.intersect(&ray, &NoPrimitives), hit, "{ray:?}");
+        hits += usize::from(hit.is_some());
+    }
+    assert!(hits > 1_000, "{hits}");
+}

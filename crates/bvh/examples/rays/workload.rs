@@ -37,8 +37,7 @@ const HEIGHT: usize = 1080;
 const RANDOM: usize = 2_000_000;
 
 impl Workload {
-    /// The primary hits come from `bvh`, whose triangles must wind consistently for nothing: the
-    /// normal is found by three rays' hits on the same triangle being avoided; see `normal`.
+    /// The rays through the scene of `bvh`, which finds the primary hits.
     pub(crate) fn new(bvh: &Bvh) -> Self {
         let primary = primary_rays();
         let bounds = bvh.bounds();

@@ -35,17 +35,24 @@ pub(super) fn presplit(
     let per_priority = f64::from(budget) * references.len() as f64 / total;
     let scene = references.iter().fold(Bounds3::EMPTY, |all, r| all.union(r.bounds()));
     let grid = Grid::new(&scene);
+    // The whole parts of a running sum, so that many small claims get their share of splits too.
+    let mut claimed = 0.0_f64;
+    let splits: Vec<usize> = priorities
+        .iter()
+        .map(|priority| {
+            let before = claimed.floor();
+            claimed += priority * per_priority;
+            ((claimed.floor() - before) as usize).min(MAX_SPLITS)
+        })
+        .collect();
     let split: Vec<Vec<Reference>> = references
         .par_iter()
-        .zip(&priorities)
-        .map(|(reference, priority)| {
-            let splits = (priority * per_priority) as usize;
-            let mut parts = Vec::new();
+        .zip(&splits)
+        .map(|(reference, &splits)| {
+            let mut parts = Vec::with_capacity(splits + 1);
             match corners(reference) {
-                Some(triangle) if splits > 0 => {
-                    cut(*reference, &triangle, (&grid, splits.min(MAX_SPLITS)), &mut parts);
-                }
-                _ => parts.push(*reference),
+                Some(triangle) => cut(*reference, &triangle, (&grid, splits), &mut parts),
+                None => parts.push(*reference),
             }
             parts
         })

@@ -7,6 +7,9 @@ pub(crate) mod portable;
 use crate::node::Lanes;
 
 /// Which instructions the traversal uses. The hits do not depend on it.
+///
+/// AVX-512 has no tier: with nodes of eight children it gave nothing for single rays. Arm is served
+/// by the portable tier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Tier {
