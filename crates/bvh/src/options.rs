@@ -12,7 +12,7 @@ pub struct BuildOptions {
     /// What visiting a node costs, in units of testing a block of triangles.
     pub node_cost: f32,
     /// How many more references than primitives spatial splits may make, as a part of the number
-    /// of primitives; 0 for none. Large slanted triangles then appear in several leaves, each with
+    /// of primitives; 0 for none, and no more than 8. Large slanted triangles then appear in several leaves, each with
     /// a box around a part. The hierarchy without splits is built too and kept if it is better.
     pub split_budget: f32,
 }

@@ -24,6 +24,7 @@ pub(super) fn presplit(
     if !(budget > 0.0 && budget.is_finite()) || references.is_empty() {
         return Vec::new();
     }
+    let budget = budget.min(MAX_BUDGET);
     let corners = |reference: &Reference| triangle_of(reference, geometries);
     let priorities: Vec<f64> =
         references.par_iter().map(|r| if r.is_custom() { 0.0 } else { emptiness(r) }).collect();
@@ -59,6 +60,9 @@ pub(super) fn presplit(
         .collect();
     split.into_iter().flatten().collect()
 }
+
+/// No more splits per reference on average, whatever is asked for: they cost memory.
+const MAX_BUDGET: f32 = 8.0;
 
 /// No triangle is cut more often; this also bounds the recursion.
 const MAX_SPLITS: usize = 256;
