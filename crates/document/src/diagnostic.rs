@@ -118,6 +118,10 @@ impl Diagnostic {
     }
 }
 
+/// A message may quote what stands in a file, which may be megabytes in one word: this many
+/// characters of a message are kept.
+const MESSAGE_LENGTH: usize = 1000;
+
 /// A hostile file can be wrong in millions of places; nobody reads more than this.
 const KEPT: usize = 1000;
 
@@ -154,6 +158,7 @@ impl Diagnostics {
         if self.strict && diagnostic.fault == Fault::UnknownParameter {
             diagnostic.severity = Severity::Error;
         }
+        shorten(&mut diagnostic.message);
         let is_error = diagnostic.severity == Severity::Error;
         let mut found = self.lock();
         if found.known.contains(&diagnostic) {
@@ -216,6 +221,14 @@ impl Diagnostics {
     }
 }
 
+/// Cuts off what is beyond [`MESSAGE_LENGTH`].
+fn shorten(message: &mut String) {
+    if let Some((end, _)) = message.char_indices().nth(MESSAGE_LENGTH) {
+        message.truncate(end);
+        message.push('…');
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,6 +256,13 @@ mod tests {
         assert!(!strict.has_errors());
         strict.warning(Fault::UnknownParameter, None, "what is this");
         assert!(strict.has_errors());
+    }
+
+    #[test]
+    fn messages_are_bounded() {
+        let diagnostics = Diagnostics::new();
+        diagnostics.error(Fault::UnknownPlugin, None, "ä".repeat(1_000_000));
+        assert_eq!(diagnostics.sorted()[0].message.chars().count(), MESSAGE_LENGTH + 1);
     }
 
     #[test]

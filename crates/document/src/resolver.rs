@@ -31,20 +31,26 @@ pub struct NotFound {
     pub name: String,
     /// Every path that was tried, in order.
     pub tried: Vec<PathBuf>,
+    /// The folders that those start from, in order; none where the name is an absolute path.
+    pub folders: Vec<PathBuf>,
     /// File names that resemble it, where the folders hold some.
     pub near: Vec<String>,
 }
 
 impl NotFound {
-    /// Lines of advice for a diagnostic: near names, and where it was sought.
+    /// Lines of advice for a diagnostic: near names, and the folders in which it was sought, which
+    /// are the same for all files that a text names.
     pub fn help(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if !self.near.is_empty() {
             let names = crate::list_names(self.near.iter().map(String::as_str));
             lines.push(format!("there is {names}"));
         }
-        let tried: Vec<String> = self.tried.iter().map(|path| path.display().to_string()).collect();
-        lines.push(format!("looked for it at\n{}", tried.join("\n")));
+        if !self.folders.is_empty() {
+            let folders = self.folders.iter().map(|folder| folder.display().to_string());
+            let folders: Vec<String> = folders.collect();
+            lines.push(format!("looked for it in\n{}", folders.join("\n")));
+        }
         lines
     }
 }
@@ -74,7 +80,9 @@ impl Resolver {
             Some(path) => Ok(path.clone()),
             None => {
                 let near = near_files(&tried, resources);
-                Err(NotFound { name: name.to_owned(), tried, near })
+                let is_relative = !as_path(name).is_absolute();
+                let folders = if is_relative { self.folders(source) } else { Vec::new() };
+                Err(NotFound { name: name.to_owned(), tried, folders, near })
             }
         }
     }
@@ -83,15 +91,14 @@ impl Resolver {
     /// each once, normalised.
     pub fn candidates(&self, name: &str, source: SourceId) -> Vec<PathBuf> {
         let as_written = Path::new(name);
-        let with_slashes = name.trim().replace('\\', "/");
-        let relative = Path::new(&with_slashes);
-        if relative.is_absolute() {
-            return vec![normalise(relative)];
+        let with_slashes = as_path(name);
+        if with_slashes.is_absolute() {
+            return vec![normalise(&with_slashes)];
         }
         let mut candidates = Vec::new();
         for folder in self.folders(source) {
             // A backslash may also be a letter of a file name, though hardly ever.
-            for file in [as_written, relative] {
+            for file in [as_written, &with_slashes] {
                 let path = normalise(&folder.join(file));
                 if !candidates.contains(&path) {
                     candidates.push(path);
@@ -101,7 +108,7 @@ impl Resolver {
         candidates
     }
 
-    /// The folders in which a name written in the text `source` is sought, in order.
+    /// The folders in which a name written in the text `source` is sought, in order, each once.
     fn folders(&self, source: SourceId) -> Vec<PathBuf> {
         let own = self.source_folders.get(source.index());
         let own = own.map(|folder| normalise(&self.working_directory.join(folder)));
@@ -110,8 +117,19 @@ impl Resolver {
         let working = std::iter::once(self.working_directory.clone());
         let above = own.as_deref().into_iter().flat_map(|own| own.ancestors().skip(1));
         let above: Vec<PathBuf> = above.map(Path::to_path_buf).collect();
-        own.clone().into_iter().chain(given).chain(working).chain(above).collect()
+        let mut folders = Vec::new();
+        for folder in own.clone().into_iter().chain(given).chain(working).chain(above) {
+            if !folders.contains(&folder) {
+                folders.push(folder);
+            }
+        }
+        folders
     }
+}
+
+/// A file name of a scene with slashes between its folders.
+fn as_path(name: &str) -> PathBuf {
+    name.trim().replace('\\', "/").into()
 }
 
 /// The same path without `.` and with `..` resolved by name alone, as paths of files come from
@@ -211,7 +229,9 @@ mod tests {
         assert_eq!(missing.near, ["wood.png"]);
         assert_eq!(missing.tried[0], PathBuf::from("/s/textures/wod.png"));
         assert_eq!(missing.to_string(), "file `textures/wod.png` not found");
-        assert!(missing.help()[1].contains("/home/ada/textures/wod.png"));
+        assert_eq!(missing.help()[1], "looked for it in\n/s\n/home/ada\n/");
+        let absolute = resolver.resolve("/s/textures/wod.png", id, &files).unwrap_err();
+        assert_eq!(absolute.help(), ["there is `wood.png`"]);
     }
 
     #[test]

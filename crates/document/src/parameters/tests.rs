@@ -91,6 +91,22 @@ fn wrong_types_and_ranges_are_errors_under_the_name_as_typed() {
 }
 
 #[test]
+fn bounds_are_shown_without_rows_of_zeros() {
+    let document = document(vec![("alpha", Value::Float(1e300)), ("intIOR", Value::Integer(0))]);
+    let diagnostics = Diagnostics::new();
+    let parameters = document.parameters(NodeId(0), &diagnostics);
+    parameters.float_in("alpha", 0.1, 0.5..1e18);
+    parameters.float_in("int_ior", 1.5, f64::MIN_POSITIVE..=1000.0);
+    assert_eq!(
+        messages(&diagnostics),
+        [
+            "`alpha` is 1e300, but must be at least 0.5 and below 1e18",
+            "`intIOR` is 0, but must be above 0 and at most 1000",
+        ]
+    );
+}
+
+#[test]
 fn choices_list_the_names() {
     let document = document(vec![("distribution", Value::String("beckman".into()))]);
     let diagnostics = Diagnostics::new();

@@ -42,7 +42,7 @@ impl<'a> Parameters<'a> {
         match self.optional_integer(name) {
             Some(integer) if range.contains(&integer) => integer,
             Some(integer) => {
-                self.out_of_range(name, &integer.to_string(), &describe(&range));
+                self.out_of_range(name, &integer.in_words(), &describe(&range));
                 default
             }
             None => default,
@@ -69,7 +69,7 @@ impl<'a> Parameters<'a> {
         match self.optional_float(name) {
             Some(float) if float.is_finite() && range.contains(&float) => float,
             Some(float) => {
-                self.out_of_range(name, &float.to_string(), &describe(&range));
+                self.out_of_range(name, &float.in_words(), &describe(&range));
                 default
             }
             None => default,
@@ -218,17 +218,52 @@ fn three_numbers(value: &Value) -> Option<DVec3> {
     }
 }
 
+/// A number as messages show it.
+trait InWords {
+    fn in_words(&self) -> String;
+
+    /// Whether it is the least positive number, which as a bound means "above zero".
+    fn is_least_positive(&self) -> bool;
+}
+
+impl InWords for i64 {
+    fn in_words(&self) -> String {
+        self.to_string()
+    }
+
+    fn is_least_positive(&self) -> bool {
+        false
+    }
+}
+
+impl InWords for f64 {
+    /// With an exponent where there would be rows of zeros.
+    fn in_words(&self) -> String {
+        match self.abs() {
+            magnitude if magnitude >= 1e9 || (magnitude > 0.0 && magnitude < 1e-4) => {
+                format!("{self:e}")
+            }
+            _ => self.to_string(),
+        }
+    }
+
+    fn is_least_positive(&self) -> bool {
+        [Self::MIN_POSITIVE, f32::MIN_POSITIVE.into()].contains(self)
+    }
+}
+
 /// A range in words: "at least 0 and below 180".
-fn describe<T: std::fmt::Display>(range: &impl RangeBounds<T>) -> String {
+fn describe<T: InWords>(range: &impl RangeBounds<T>) -> String {
     use std::ops::Bound::{Excluded, Included, Unbounded};
     let low = match range.start_bound() {
-        Included(low) => format!("at least {low}"),
-        Excluded(low) => format!("above {low}"),
+        Included(low) if low.is_least_positive() => "above 0".to_owned(),
+        Included(low) => format!("at least {}", low.in_words()),
+        Excluded(low) => format!("above {}", low.in_words()),
         Unbounded => String::new(),
     };
     let high = match range.end_bound() {
-        Included(high) => format!("at most {high}"),
-        Excluded(high) => format!("below {high}"),
+        Included(high) => format!("at most {}", high.in_words()),
+        Excluded(high) => format!("below {}", high.in_words()),
         Unbounded => String::new(),
     };
     match (low.is_empty(), high.is_empty()) {
