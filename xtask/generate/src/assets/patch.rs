@@ -52,7 +52,7 @@ pub(super) fn tube(
     add(mesh, grid, |along, around| {
         let tangent = curve(along + STEP) - curve(along - STEP);
         let side = across(along).cross(tangent).normalize();
-        let up = tangent.cross(side).normalize();
+        let up = side.cross(tangent).normalize();
         let (sin, cos) = (TAU * around).sin_cos();
         curve(along) + (side * cos + up * sin) * radius
     });

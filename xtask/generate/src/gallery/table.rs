@@ -52,7 +52,7 @@ pub(super) const SECTIONS: &[Section] = &[
                In the second one emitters are not sampled (`--no-emitter-sampling`): light is only \
                found where a path happens to meet the lamp. Both converge to the same picture.",
         pictures: &[
-            Entry::plain("cornell-box", "512 samples per pixel", 512).with(&[("size", "480")]),
+            Entry::plain("cornell-box", "256 samples per pixel", 256).with(&[("size", "480")]),
             Entry::plain("cornell-box-32", "32 samples per pixel", 32).with(&[("size", "240")]),
             Entry::plain("cornell-box-32-no-emitter-sampling", "32, emitters not sampled", 32)
                 .with(&[("size", "240")])
@@ -64,40 +64,40 @@ pub(super) const SECTIONS: &[Section] = &[
         scene: "depth-of-field",
         text: "A `thinlens` camera focused on one pawn of a row. The pawns are `revsurface`s, placed as \
                `instance`s of two `shapegroup`s.",
-        pictures: &[Entry::plain("depth-of-field", "", 512)],
+        pictures: &[Entry::plain("depth-of-field", "", 256)],
     },
     Section {
         heading: "Glass and metal",
         scene: "glass-and-metal",
         text: "A `dielectric` ball and a `conductor` ball of gold.",
-        pictures: &[Entry::plain("glass-and-metal", "", 2048)],
+        pictures: &[Entry::plain("glass-and-metal", "", 768)],
     },
     Section {
         heading: "Cups",
         scene: "cups",
         text: "The same surface of revolution (`revsurface` with a B-spline profile): left solid glass \
                (`dielectric`), right a film of glass (`thindielectric`).",
-        pictures: &[Entry::plain("cups", "", 1024)],
+        pictures: &[Entry::plain("cups", "", 512)],
     },
     Section {
         heading: "Plastics",
         scene: "plastics",
         text: "`plastic` and `roughplastic` on a mesh with smooth normals.",
-        pictures: &[Entry::plain("plastics", "", 512)],
+        pictures: &[Entry::plain("plastics", "", 256)],
     },
     Section {
         heading: "Rough metals",
         scene: "rough-metals",
         text: "`roughconductor` with `alpha` 0.05, 0.1, 0.2, 0.35 and 0.6; in front, anisotropic \
                aluminium.",
-        pictures: &[Entry::plain("rough-metals", "", 512)],
+        pictures: &[Entry::plain("rough-metals", "", 256)],
     },
     Section {
         heading: "Textures",
         scene: "textures",
         text: "`bitmap` and `checkerboard` textures, a `bumpmap` on the wall, and a `mask` that cuts the \
                holes of the lamp shade.",
-        pictures: &[Entry::plain("textures", "", 512)],
+        pictures: &[Entry::plain("textures", "", 384)],
     },
     Section {
         heading: "Soft shadows",
@@ -105,11 +105,11 @@ pub(super) const SECTIONS: &[Section] = &[
         text: "The same power from `area` lights of side 0.1, 1.2 and 3.6.",
         pictures: &[
             Entry::plain("soft-shadows-small", "side 0.1", 256)
-                .with(&[("light", "0.05"), ("radiance", "1152")]),
+                .with(&[("light", "0.05"), ("radiance", "9216")]),
             Entry::plain("soft-shadows-medium", "side 1.2", 256)
-                .with(&[("light", "0.6"), ("radiance", "8")]),
+                .with(&[("light", "0.6"), ("radiance", "64")]),
             Entry::plain("soft-shadows-large", "side 3.6", 256)
-                .with(&[("light", "1.8"), ("radiance", "0.8889")]),
+                .with(&[("light", "1.8"), ("radiance", "7.1111")]),
         ],
     },
 ];

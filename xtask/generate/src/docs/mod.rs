@@ -1,5 +1,8 @@
 //! `cargo xtask docs`: writes the reference pages from what the code says of itself.
 
+mod command_line;
+mod plugins;
+
 use clap::Args;
 
 use crate::repository::{Made, Mode, write_or_check};
@@ -14,6 +17,9 @@ pub(crate) struct Arguments {
 
 /// Writes the pages, or checks them.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
-    let files: Vec<Made> = Vec::new();
+    let files = [
+        Made { path: "docs/command-line.md", bytes: command_line::page()?.into_bytes() },
+        Made { path: plugins::PATH, bytes: plugins::page().into_bytes() },
+    ];
     write_or_check(&files, Mode::from_check(arguments.check))
 }

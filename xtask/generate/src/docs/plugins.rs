@@ -1,0 +1,85 @@
+//! The plugin reference, from the manual pages that stand beside the plugins' code.
+
+use std::fmt::Write as _;
+
+use etendue::document::Class;
+use etendue::scene::Manual;
+use etendue::{integrators, scene};
+
+/// Where the page is.
+pub(super) const PATH: &str = "docs/plugins.md";
+
+type Page = (Class, &'static str, &'static Manual);
+
+/// The text of the page.
+pub(super) fn page() -> String {
+    let mut pages = scene::registry::plugins();
+    pages.extend(integrators::plugins());
+    let mut text = String::from(
+        "# Plugin reference\n\n\
+         <!-- Written by `cargo xtask docs` from the manual pages in the code. -->\n\n\
+         Every plugin with all its parameters. A parameter of kind “texture” or “bsdf” is a nested \
+         element or a `<ref>`. An empty default means that the parameter is required, or that nothing \
+         happens without it.\n\n",
+    );
+    for class in classes(&pages) {
+        let names = pages.iter().filter(|page| page.0 == class);
+        let links: Vec<String> =
+            names.map(|(class, name, _)| format!("[{name}](#{})", anchor(*class, name))).collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "- **{}**: {}", class.name(), links.join(", "));
+    }
+    for class in classes(&pages) {
+        let _ = write!(text, "\n## {}\n", class.name());
+        for page in pages.iter().filter(|page| page.0 == class) {
+            write_plugin(&mut text, page);
+        }
+    }
+    text
+}
+
+/// The classes that have plugins, each once, in the order of the registry.
+fn classes(pages: &[Page]) -> Vec<Class> {
+    let mut classes: Vec<Class> = pages.iter().map(|page| page.0).collect();
+    classes.dedup();
+    classes
+}
+
+/// The place of a plugin's heading on the page, as GitHub makes it.
+fn anchor(class: Class, name: &str) -> String {
+    format!("{}-{name}", class.name()).to_lowercase().replace(' ', "-")
+}
+
+fn write_plugin(text: &mut String, (class, name, manual): &Page) {
+    let _ = write!(text, "\n### {} `{name}`\n\n{}\n", class.name(), manual.summary);
+    if !manual.parameters.is_empty() {
+        text.push_str("\n| parameter | kind | default | meaning |\n|---|---|---|---|\n");
+    }
+    for parameter in manual.parameters {
+        let default = match parameter.default {
+            "" => String::new(),
+            default => format!("`{default}`"),
+        };
+        let cells = [format!("`{}`", parameter.name), parameter.kind.to_owned(), default];
+        let cells = cells.map(|cell| escape(&cell));
+        let _ = writeln!(text, "| {} | {} |", cells.join(" | "), escape(parameter.meaning));
+    }
+    let _ = write!(text, "\n```xml\n{}\n```\n", manual.sample.trim());
+}
+
+/// A bar would end the cell of a table.
+fn escape(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::repository::Made;
+
+    #[test]
+    fn the_committed_page_is_current() {
+        let made = Made { path: PATH, bytes: page().into_bytes() };
+        assert!(made.is_current(), "run `cargo xtask docs`");
+    }
+}
