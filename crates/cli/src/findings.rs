@@ -1,9 +1,10 @@
 //! What was found while loading a scene, on standard error.
 
+use etendue::Findings;
 use etendue::document::{Diagnostic, Severity};
-use etendue::{Findings, render_diagnostic};
 use serde_json::{Value, json};
 
+use crate::alike::{Listing, Repeats};
 use crate::{color, terminal, text};
 
 /// How much of it is shown.
@@ -13,16 +14,29 @@ pub(crate) enum Detail {
     Errors,
     /// Errors and warnings.
     Warnings,
-    /// Notes too.
+    /// Notes too; of many findings alike, all but a few in a line each.
+    Notes,
+    /// Notes too, and all there is to each finding however many are alike.
     Everything,
 }
+
+/// Of many findings alike, how many are listed in a line each where brevity matters.
+const LINES: usize = 20;
 
 impl Detail {
     fn shows(self, diagnostic: &Diagnostic) -> bool {
         match diagnostic.severity {
             Severity::Error => true,
             Severity::Warning => self != Self::Errors,
-            Severity::Note => self == Self::Everything,
+            Severity::Note => matches!(self, Self::Notes | Self::Everything),
+        }
+    }
+
+    fn repeats(self) -> Repeats {
+        match self {
+            Self::Errors | Self::Warnings => Repeats::Lines(LINES),
+            Self::Notes => Repeats::Lines(usize::MAX),
+            Self::Everything => Repeats::Whole,
         }
     }
 }
@@ -36,10 +50,10 @@ pub(crate) fn show(findings: &Findings, detail: Detail) {
 
 /// Shows findings with their excerpts; returns whether there were any to show.
 pub(crate) fn show_list(findings: &Findings, detail: Detail) -> bool {
-    let colored = color::is_wanted();
+    let mut listing = Listing::new(&findings.sources, detail.repeats(), color::is_wanted());
     let shown = findings.list.iter().filter(|diagnostic| detail.shows(diagnostic));
-    let all: String =
-        shown.map(|diagnostic| render_diagnostic(diagnostic, &findings.sources, colored)).collect();
+    shown.for_each(|diagnostic| listing.add(diagnostic));
+    let all = listing.finish();
     terminal::message(&all);
     !all.is_empty()
 }

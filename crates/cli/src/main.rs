@@ -8,6 +8,7 @@
     reason = "files, environment and exit codes are a host's business"
 )]
 
+mod alike;
 mod arguments;
 mod color;
 mod commands;

@@ -22,7 +22,10 @@ pub(crate) struct Arguments {
 /// Loads every scene and shows what was found.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let workers = arguments.scene.workers()?;
-    let detail = if arguments.scene.quiet { Detail::Errors } else { Detail::Everything };
+    let detail = match arguments.scene.detail() {
+        Detail::Warnings => Detail::Notes,
+        other => other,
+    };
     let mut status = Status::Fine;
     for path in &arguments.scenes {
         let loaded = arguments.scene.load(path, &workers)?;
