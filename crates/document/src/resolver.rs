@@ -33,31 +33,33 @@ pub struct NotFound {
     pub tried: Vec<PathBuf>,
     /// The folders that those start from, in order; none where the name is an absolute path.
     pub folders: Vec<PathBuf>,
-    /// File names that resemble it, where the folders hold some.
-    pub near: Vec<String>,
 }
 
 impl NotFound {
-    /// Lines of advice for a diagnostic: near names, and the folders in which it was sought, which
-    /// are the same for all files that a text names.
+    /// Lines of advice for a diagnostic: the folders in which it was sought, which are the same for
+    /// all files that a text names.
     pub fn help(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        if !self.near.is_empty() {
-            let names = crate::list_names(self.near.iter().map(String::as_str));
-            lines.push(format!("there is {names}"));
+        if self.folders.is_empty() {
+            return Vec::new();
         }
-        if !self.folders.is_empty() {
-            let folders = self.folders.iter().map(|folder| folder.display().to_string());
-            let folders: Vec<String> = folders.collect();
-            lines.push(format!("looked for it in\n{}", folders.join("\n")));
-        }
-        lines
+        let folders = self.folders.iter().map(|folder| folder.display().to_string());
+        let folders: Vec<String> = folders.collect();
+        vec![format!("looked for it in\n{}", folders.join("\n"))]
+    }
+
+    /// The same, after the names of files that resemble it. For these all folders are listed, which
+    /// takes time where a scene misses a thousand files.
+    pub fn help_with_near_names(&self, resources: &dyn Resources) -> Vec<String> {
+        let near = near_files(&self.tried, resources);
+        let names = crate::list_names(near.iter().map(String::as_str));
+        let near = (!near.is_empty()).then(|| format!("there is {names}"));
+        near.into_iter().chain(self.help()).collect()
     }
 }
 
 impl fmt::Display for NotFound {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "file `{}` not found", self.name)
+        write!(formatter, "no file `{}`", self.name)
     }
 }
 
@@ -79,10 +81,9 @@ impl Resolver {
         match tried.iter().find(|path| resources.exists(path)) {
             Some(path) => Ok(path.clone()),
             None => {
-                let near = near_files(&tried, resources);
                 let is_relative = !as_path(name).is_absolute();
                 let folders = if is_relative { self.folders(source) } else { Vec::new() };
-                Err(NotFound { name: name.to_owned(), tried, folders, near })
+                Err(NotFound { name: name.to_owned(), tried, folders })
             }
         }
     }
@@ -226,12 +227,13 @@ mod tests {
         let files = MemoryResources::default().with("/s/textures/wood.png", "");
         let (resolver, id) = resolver("/s");
         let missing = resolver.resolve("textures/wod.png", id, &files).unwrap_err();
-        assert_eq!(missing.near, ["wood.png"]);
         assert_eq!(missing.tried[0], PathBuf::from("/s/textures/wod.png"));
-        assert_eq!(missing.to_string(), "file `textures/wod.png` not found");
-        assert_eq!(missing.help()[1], "looked for it in\n/s\n/home/ada\n/");
+        assert_eq!(missing.to_string(), "no file `textures/wod.png`");
+        let sought = "looked for it in\n/s\n/home/ada\n/";
+        assert_eq!(missing.help(), [sought]);
+        assert_eq!(missing.help_with_near_names(&files), ["there is `wood.png`", sought]);
         let absolute = resolver.resolve("/s/textures/wod.png", id, &files).unwrap_err();
-        assert_eq!(absolute.help(), ["there is `wood.png`"]);
+        assert_eq!(absolute.help_with_near_names(&files), ["there is `wood.png`"]);
     }
 
     #[test]

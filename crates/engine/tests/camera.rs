@@ -38,7 +38,7 @@ fn build() -> (Scene, Box<dyn Integrator>) {
         load_str(SQUARE, &files, &LoadOptions::default(), &diagnostics).and_then(|document| {
             let scene = build_scene(&document, &files, &diagnostics, &BuildOptions::default())?;
             let options = IntegratorOptions::default();
-            let integrator = build_integrator(&document, &scene, &options, &diagnostics)?;
+            let integrator = build_integrator(&document, &options, &diagnostics)?;
             Some((scene, integrator))
         });
     built.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))

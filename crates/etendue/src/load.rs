@@ -117,7 +117,8 @@ fn build(
     diagnostics: &Diagnostics,
     options: &SceneOptions,
 ) -> Option<Content> {
-    let scene = build_scene(document, resources, diagnostics, &options.build)?;
-    let integrator = build_integrator(document, &scene, &options.integrator, diagnostics)?;
-    Some(Content { scene, integrator })
+    // Both, whatever becomes of the first: one run finds the mistakes of both.
+    let scene = build_scene(document, resources, diagnostics, &options.build);
+    let integrator = build_integrator(document, &options.integrator, diagnostics);
+    Some(Content { scene: scene?, integrator: integrator? })
 }

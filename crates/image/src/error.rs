@@ -69,7 +69,7 @@ impl fmt::Display for ImageError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownFormat { name } => {
-                write!(formatter, "'{name}' is in no image format known here")
+                write!(formatter, "`{name}` is in none of the picture formats known here")
             }
             Self::Malformed { format, message } => write!(formatter, "broken {format}: {message}"),
             Self::Unsupported { format, message } => {

@@ -2,7 +2,7 @@
 
 use crate::light::{NextEvent, Origin, distant, emitted, first_hit};
 use crate::{Integrator, Radiance};
-use etendue_document::Parameters;
+use etendue_document::{Fault, Parameters};
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, Lobe, Transport};
 use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
@@ -67,6 +67,10 @@ impl Direct {
         let emitter_samples =
             parameters.integer_in("emitter_samples", both, 0..=MAX_SAMPLES) as u32;
         let bsdf_samples = parameters.integer_in("bsdf_samples", both, 0..=MAX_SAMPLES) as u32;
+        if emitter_samples == 0 && bsdf_samples == 0 {
+            let message = "without emitter samples and without material samples there is no light";
+            parameters.error(Fault::BadValue, "bsdf_samples", message);
+        }
         Self {
             emitter_samples: if emitter_sampling { emitter_samples } else { 0 },
             bsdf_samples: if emitter_sampling { bsdf_samples } else { bsdf_samples.max(1) },

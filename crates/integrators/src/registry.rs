@@ -2,8 +2,8 @@
 
 use crate::{Aov, Depth, Direct, Integrator, Moment, Path, aov, depth, direct, moment, path};
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters};
+use etendue_render::Manual;
 use etendue_render::registry::report_unknown;
-use etendue_render::{Manual, Scene};
 
 /// What the user of the library decides about how light is computed, over what the scene says.
 #[derive(Clone, Debug)]
@@ -57,7 +57,15 @@ pub static INTEGRATORS: &[IntegratorPlugin] = &[
     plugin("direct", &direct::MANUAL, |b| {
         Some(Box::new(Direct::build(b.parameters, b.options.emitter_sampling)))
     }),
-    plugin("moment", &moment::MANUAL, |b| Some(Box::new(Moment::new(b.nested()?)))),
+    plugin("moment", &moment::MANUAL, |b| {
+        let nested = b.nested()?;
+        if nested.is_empty() {
+            let message = "`moment` needs an integrator inside it";
+            b.parameters.error(Fault::MissingParameter, "", message);
+            return None;
+        }
+        Some(Box::new(Moment::new(nested)))
+    }),
     plugin("path", &path::MANUAL, |b| {
         Some(Box::new(Path::build(b.parameters, b.options.emitter_sampling)))
     }),
@@ -103,13 +111,12 @@ impl Build<'_> {
 #[must_use]
 pub fn build_integrator(
     document: &Document,
-    scene: &Scene,
     options: &IntegratorOptions,
     diagnostics: &Diagnostics,
 ) -> Option<Box<dyn Integrator>> {
-    let node: NodeId = scene.integrator().unwrap_or(document.root);
-    let parameters = document.parameters(node, diagnostics);
-    let name = match (&options.name, scene.integrator()) {
+    let of_scene = scene_integrator(document);
+    let parameters = document.parameters(of_scene.unwrap_or(document.root), diagnostics);
+    let name = match (&options.name, of_scene) {
         (Some(name), _) => name,
         (None, Some(_)) => parameters.plugin(),
         (None, None) => "path",
@@ -125,10 +132,16 @@ pub fn build_integrator(
     };
     let integrator = (plugin.build)(&Build { parameters: &parameters, options, nesting: 0 });
     // Parameters of the scene's own integrator may mean nothing to another one.
-    if scene.integrator().is_some() && options.name.is_none() {
+    if of_scene.is_some() && options.name.is_none() {
         parameters.finish();
     }
     if diagnostics.has_errors() { None } else { integrator }
+}
+
+/// The first integrator of the scene; that there is one only has been checked with the scene.
+fn scene_integrator(document: &Document) -> Option<NodeId> {
+    let children = document.node(document.root).children.iter().map(|child| child.node);
+    children.into_iter().find(|child| document.node(*child).class == Class::Integrator)
 }
 
 /// Every plugin of this crate: class, name and manual page.

@@ -55,6 +55,12 @@ pub(crate) fn path(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
     let Some(value) = element.required("value", loader.diagnostics) else {
         return;
     };
+    let limit = loader.options.limits.paths;
+    if loader.resolver.scene_paths.len() >= limit {
+        let message = format!("more than {limit} `<path>` entries");
+        loader.diagnostics.error(Fault::Limit, value.span, message);
+        return;
+    }
     let folder = value.value.replace('\\', "/");
     let folder = loader.source_folder().join(Path::new(&folder));
     loader.resolver.scene_paths.push(folder);

@@ -8,6 +8,9 @@ use crate::element::Element;
 use crate::loader::Loader;
 use crate::{scan, syntax, text};
 
+/// Near names are sought for this many missing files: for each, whole folders are listed.
+const SUGGESTED: usize = 20;
+
 /// A file that is being read, and where it was included.
 pub(crate) struct OpenFile {
     pub(crate) path: PathBuf,
@@ -24,7 +27,11 @@ pub(crate) fn include(loader: &mut Loader<'_>, element: &Element<'_>, parent: No
         Ok(path) => path,
         Err(missing) => {
             let mut diagnostic = Diagnostic::error(Fault::Io, file.span, missing.to_string());
-            diagnostic.help = missing.help();
+            loader.missing_includes += 1;
+            diagnostic.help = match loader.missing_includes {
+                0..=SUGGESTED => missing.help_with_near_names(loader.resources),
+                _ => missing.help(),
+            };
             loader.diagnostics.push(diagnostic);
             return;
         }

@@ -9,7 +9,7 @@ use etendue_document::{
 };
 
 use crate::defines::Defines;
-use crate::element::Element;
+use crate::element::{Attribute, Element};
 use crate::elements::{self, Kind};
 use crate::include::OpenFile;
 use crate::resolve::{Named, Reference, Target};
@@ -35,6 +35,7 @@ pub(crate) struct Loader<'a> {
     /// It and those that led to it.
     pub(crate) open_files: Vec<OpenFile>,
     pub(crate) include_count: usize,
+    pub(crate) missing_includes: usize,
     pub(crate) total_bytes: usize,
     /// The major version that each file claims.
     versions: Versions,
@@ -67,6 +68,7 @@ impl<'a> Loader<'a> {
             source: SourceId::default(),
             open_files: Vec::new(),
             include_count: 0,
+            missing_includes: 0,
             total_bytes: 0,
             versions: Versions::new(),
             nodes: Vec::new(),
@@ -245,6 +247,7 @@ impl<'a> Loader<'a> {
             return;
         }
         let plugin = element.required("type", self.diagnostics);
+        let plugin = plugin.filter(|plugin| self.is_named(plugin));
         let node = NodeId(self.nodes.len() as u32);
         let text = |name| element.value(name).filter(|text| !text.is_empty()).map(str::to_owned);
         self.nodes.push(Node {
@@ -265,6 +268,15 @@ impl<'a> Loader<'a> {
             self.node_mut(parent).children.push(child);
         }
         self.visit_children(element.node, node);
+    }
+
+    /// Whether a `type` says anything; reports where it does not.
+    fn is_named(&self, plugin: &Attribute<'_>) -> bool {
+        let is_named = !plugin.value.trim().is_empty();
+        if !is_named {
+            self.diagnostics.error(Fault::MissingParameter, plugin.span, "the type is empty");
+        }
+        is_named
     }
 
     fn parameter(

@@ -32,6 +32,8 @@ pub struct Limits {
     pub include_depth: usize,
     /// How many includes there may be in all.
     pub includes: usize,
+    /// How many `<path>` entries there may be: each is searched for every file.
+    pub paths: usize,
     /// Bytes that all `$name` expansions together may produce.
     pub expansion_bytes: usize,
     /// How many objects one object may come to when every reference in it is followed.
@@ -48,6 +50,7 @@ impl Default for Limits {
             nodes: 1_000_000,
             include_depth: 16,
             includes: 10_000,
+            paths: 100,
             expansion_bytes: 16 << 20,
             expanded_nodes: 1_000_000,
         }

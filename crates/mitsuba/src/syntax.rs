@@ -72,6 +72,7 @@ fn message(error: &Error) -> String {
             "the XML declaration must be the first thing in the file".to_owned()
         }
         Error::NodesLimitReached => "more XML nodes than are read".to_owned(),
+        Error::InvalidCharacterData(_) => "`]]>` cannot stand in a text".to_owned(),
         Error::InvalidChar(expected, actual, _) => format!(
             "expected `{}`, found `{}`",
             char::from(*expected).escape_default(),

@@ -46,14 +46,12 @@ pub fn build_scene(
     let mut builder = Builder::new(&assets, options);
     builder.textures_decoded = loaded.textures;
     let root = document.parameters(document.root, diagnostics);
-    let parts = Parts {
-        sensors: builder.sensors(&root),
-        integrator: root.children_of(Class::Integrator).first().map(|child| child.node),
-        ..builder.shapes(&root, loaded.geometry)
-    };
+    let parts = Parts { sensors: builder.sensors(&root), ..builder.shapes(&root, loaded.geometry) };
     let parts = Parts { emitters: builder.emitters(&root, parts.emitters), ..parts };
+    builder.check_integrators(&root);
     builder.unused_nodes(&root);
     root.finish();
+    assets.report_not_found();
     if diagnostics.has_errors() {
         return None;
     }
@@ -204,6 +202,10 @@ impl<'a> Builder<'a> {
 
     fn sensors(&mut self, root: &Parameters<'_>) -> Vec<SensorSetup> {
         let children = root.children_of(Class::Sensor);
+        if children.is_empty() {
+            let message = "the scene has no sensor: there is nothing to see it with";
+            self.assets.diagnostics.warning(Fault::MissingParameter, root.span(), message);
+        }
         children.iter().filter_map(|child| self.sensor(child.node)).collect()
     }
 
@@ -244,6 +246,15 @@ impl<'a> Builder<'a> {
             }
         }
         Some(film)
+    }
+
+    /// Says which integrators are left out. The one that counts is not built here: another layer
+    /// knows how light is computed.
+    fn check_integrators(&self, root: &Parameters<'_>) {
+        for child in root.children_of(Class::Integrator).into_iter().skip(1) {
+            let message = "a scene has one integrator: this one is left out";
+            self.assets.diagnostics.warning(Fault::BadValue, child.span, message);
+        }
     }
 
     /// Builds what stands at the top of the scene only to be referred to, so that mistakes in it are

@@ -5,9 +5,10 @@ use crate::shape::Geometry;
 use crate::shape::mesh::{Mesh, MeshOptions};
 use crate::texture::{Texture, bitmap};
 use etendue_document::{
-    Class, Diagnostic, Diagnostics, Document, Fault, NodeId, Parameters, ResourceError, Resources,
-    Severity, Span,
+    Class, Diagnostic, Diagnostics, Document, Fault, NodeId, NotFound, Parameters, ResourceError,
+    Resources, Severity, Span,
 };
+use etendue_math::Bounds3;
 use etendue_mesh::{MeshError, TriangleMesh};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
@@ -26,7 +27,12 @@ pub struct Assets<'a> {
     skip_missing: bool,
     /// The hash of every file read so far.
     hashes: Mutex<BTreeMap<PathBuf, blake3::Hash>>,
+    /// Files that were not found, and where they are named.
+    not_found: Mutex<Vec<(Span, NotFound)>>,
 }
+
+/// Near names are sought for this many missing files: for each, whole folders are listed.
+const SUGGESTED: usize = 20;
 
 impl Debug for Assets<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -69,7 +75,14 @@ impl<'a> Assets<'a> {
         diagnostics: &'a Diagnostics,
         skip_missing: bool,
     ) -> Self {
-        Self { document, resources, diagnostics, skip_missing, hashes: Mutex::default() }
+        Self {
+            document,
+            resources,
+            diagnostics,
+            skip_missing,
+            hashes: Mutex::default(),
+            not_found: Mutex::default(),
+        }
     }
 
     /// Builds the geometry of all shapes and decodes all pictures, several at once.
@@ -95,6 +108,8 @@ impl<'a> Assets<'a> {
         let node = self.document.node(id);
         let parameters = || self.document.parameters(id, self.diagnostics);
         match (node.class, node.plugin.as_str()) {
+            // The lack of a type has been reported where the text was read.
+            (_, "") => None,
             (Class::Shape, plugin) => {
                 let composite = registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
                 if composite {
@@ -103,6 +118,9 @@ impl<'a> Assets<'a> {
                 let parameters = parameters();
                 let build = find(registry::SHAPES, &parameters);
                 let geometry = build.and_then(|build| build(self, &parameters));
+                if let Some(geometry) = &geometry {
+                    self.check_extent(geometry, parameters.span());
+                }
                 Some(Item::Shape(LoadedShape { parameters, geometry }))
             }
             (Class::Texture, "bitmap") => {
@@ -122,21 +140,26 @@ impl<'a> Assets<'a> {
         self.read_named_file(file_name, parameters.span_of(name))
     }
 
-    /// The bytes of the file that is called `file_name` at `span`; `None` after reporting what went
-    /// wrong.
+    /// The bytes of the file that is called `file_name` at `span`; `None` where there is none, which
+    /// is reported when the scene is complete, and after reporting what else went wrong.
     #[must_use]
     pub fn read_named_file(&self, file_name: &str, span: Span) -> Option<(PathBuf, Vec<u8>)> {
         let path = match self.document.resolve(file_name, span, self.resources) {
             Ok(path) => path,
             Err(not_found) => {
-                let message = format!("no file `{file_name}`");
-                let diagnostic = Diagnostic::new(self.missing(), Fault::Io, span, message);
-                let lines = not_found.help();
-                self.diagnostics.push(lines.into_iter().fold(diagnostic, Diagnostic::help));
+                self.not_found
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .push((span, not_found));
                 return None;
             }
         };
         match self.resources.read(&path) {
+            Ok(bytes) if bytes.is_empty() => {
+                let message = format!("the file `{}` is empty", path.display());
+                self.diagnostics.error(Fault::Io, span, message);
+                None
+            }
             Ok(bytes) => {
                 self.remember(&path, &bytes);
                 Some((path, bytes))
@@ -151,6 +174,35 @@ impl<'a> Assets<'a> {
                 self.diagnostics.error(Fault::Io, span, message);
                 None
             }
+        }
+    }
+
+    /// Reports a shape without any surface, and one that reaches beyond all numbers.
+    pub(super) fn check_extent(&self, geometry: &Geometry, span: Span) {
+        let Bounds3 { min, max } = geometry.bounds();
+        if geometry.primitive_count() == 0 {
+            let message = "this mesh has no triangles: there is nothing of it to be seen";
+            self.diagnostics.warning(Fault::Geometry, span, message);
+        } else if !(min.is_finite() && max.is_finite()) {
+            let message = "this shape reaches beyond what single precision can hold";
+            self.diagnostics.error(Fault::Geometry, span, message);
+        }
+    }
+
+    /// Reports the files that were not found, in the order of the page, those that come first with
+    /// the names of files that resemble them.
+    pub(super) fn report_not_found(&self) {
+        let mut list =
+            std::mem::take(&mut *self.not_found.lock().unwrap_or_else(PoisonError::into_inner));
+        list.sort_by(|(a, _), (b, _)| a.cmp(b));
+        for (index, (span, not_found)) in list.iter().enumerate() {
+            let mut diagnostic =
+                Diagnostic::new(self.missing(), Fault::Io, *span, not_found.to_string());
+            diagnostic.help = match index {
+                0..SUGGESTED => not_found.help_with_near_names(self.resources),
+                _ => not_found.help(),
+            };
+            self.diagnostics.push(diagnostic);
         }
     }
 

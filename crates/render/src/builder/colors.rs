@@ -94,7 +94,7 @@ impl Builder<'_> {
                 let (wavelengths, values) =
                     samples.iter().map(|(nm, value)| (*nm as f32, *value as f32)).unzip();
                 match SampledSpectrum::new(wavelengths, values) {
-                    Ok(sampled) => Some(Spectrum::from_rgb(sampled.to_rgb(usage))),
+                    Ok(sampled) => sampled_color(parameters, name, &sampled, usage),
                     Err(error) => {
                         parameters.error(Fault::BadValue, name, error.to_string());
                         None
@@ -121,7 +121,7 @@ impl Builder<'_> {
     ) -> Option<Spectrum> {
         let (path, bytes) = self.assets.read_named_file(file, parameters.span_of(name))?;
         match parse_spd(&String::from_utf8_lossy(&bytes)) {
-            Ok(sampled) => Some(Spectrum::from_rgb(sampled.to_rgb(usage))),
+            Ok(sampled) => sampled_color(parameters, name, &sampled, usage),
             Err(error) => {
                 parameters.error(Fault::Syntax, name, format!("{}: {error}", path.display()));
                 None
@@ -173,4 +173,23 @@ impl Builder<'_> {
             fallback
         })
     }
+}
+
+/// The colour of a measured spectrum. What the conversion would quietly limit is reported: negative
+/// values, and reflectances above one.
+fn sampled_color(
+    parameters: &Parameters<'_>,
+    name: &str,
+    sampled: &SampledSpectrum,
+    usage: SpectrumUse,
+) -> Option<Spectrum> {
+    if sampled.values().iter().any(|value| *value < 0.0) {
+        parameters.error(Fault::BadValue, name, "the spectrum has a negative value");
+        return None;
+    }
+    if usage == SpectrumUse::Reflectance && sampled.values().iter().any(|value| *value > 1.0) {
+        let message = "the spectrum is above 1 in places: its colour is limited to 1";
+        parameters.warning(Fault::BadValue, name, message);
+    }
+    Some(Spectrum::from_rgb(sampled.to_rgb(usage)))
 }

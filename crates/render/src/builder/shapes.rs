@@ -93,9 +93,10 @@ impl<'a> Builder<'a> {
             let parameters = self.parameters(node);
             let to_world = read_transform(&parameters, "to_world");
             let group = self.group_of(&parameters, &mut groups, loaded, &mut grouped_shapes);
+            let span = parameters.span();
             parameters.finish();
             let (Some(to_world), Some(group)) = (to_world, group) else { continue };
-            placed.push((group, to_world));
+            placed.push((group, to_world, span));
         }
         let first_grouped = (parts.shapes.len() + placed.len()) as u32;
         let mut first = first_grouped;
@@ -112,9 +113,10 @@ impl<'a> Builder<'a> {
             first += shapes.len() as u32;
         }
         let material = self.default_material();
-        for (group, to_world) in placed {
+        for (group, to_world, span) in placed {
             let instance = Instance::new(group, &parts.groups[group.index()], to_world);
             let geometry = Geometry::Instance(instance);
+            self.assets.check_extent(&geometry, span);
             parts.shapes.push(Shape { geometry, material, emitter: None });
         }
         parts.top_level_shapes = Some(parts.shapes.len());

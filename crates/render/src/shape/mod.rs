@@ -92,7 +92,7 @@ pub struct ShapeSample {
 impl ShapeSample {
     /// The same point with its density per area turned into one per solid angle seen from
     /// `reference`; `None` where the surface is seen edge-on or the points coincide.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn seen_from(self, reference: Vec3) -> Option<Self> {
         let pdf = area_to_solid_angle(self.pdf, self.point - reference, self.normal)?;
@@ -102,7 +102,7 @@ impl ShapeSample {
 
 /// Turns a density per area at the end of `path`, on a surface with the unit `normal`, into one per
 /// solid angle at its start; `None` where it is not finite.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn area_to_solid_angle(pdf: f32, path: Vec3, normal: Vec3) -> Option<f32> {
     let distance_squared = path.length_squared();
@@ -111,9 +111,32 @@ pub fn area_to_solid_angle(pdf: f32, path: Vec3, normal: Vec3) -> Option<f32> {
     (pdf.is_finite() && pdf > 0.0).then_some(pdf)
 }
 
+impl Geometry {
+    /// The box around all of it.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        match self {
+            Self::Mesh(mesh) => mesh.bounds(),
+            Self::Sphere(sphere) => sphere.bounds(),
+            Self::Disk(disk) => disk.bounds(),
+            Self::Cylinder(cylinder) => cylinder.bounds(),
+            Self::Instance(instance) => instance.bounds(),
+        }
+    }
+
+    /// How many triangles or other primitives there are.
+    #[must_use]
+    pub fn primitive_count(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles().len(),
+            _ => 1,
+        }
+    }
+}
+
 impl Shape {
     /// Everything that is known where `ray` has met this shape.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn interaction(&self, id: ShapeId, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let surface = match &self.geometry {
@@ -144,13 +167,7 @@ impl Shape {
     /// The box around the shape.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
-        match &self.geometry {
-            Geometry::Mesh(mesh) => mesh.bounds(),
-            Geometry::Sphere(sphere) => sphere.bounds(),
-            Geometry::Disk(disk) => disk.bounds(),
-            Geometry::Cylinder(cylinder) => cylinder.bounds(),
-            Geometry::Instance(instance) => instance.bounds(),
-        }
+        self.geometry.bounds()
     }
 
     /// The area of the surface; zero for an instance, which cannot be a light.
@@ -178,7 +195,7 @@ impl Shape {
     }
 
     /// A point of the surface as seen from `reference`, with its density in solid angle there.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
         match &self.geometry {
@@ -206,10 +223,7 @@ impl Shape {
     /// How many triangles or other primitives the shape has.
     #[must_use]
     pub fn primitive_count(&self) -> usize {
-        match &self.geometry {
-            Geometry::Mesh(mesh) => mesh.triangles().len(),
-            _ => 1,
-        }
+        self.geometry.primitive_count()
     }
 }
 

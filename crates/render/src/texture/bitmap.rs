@@ -125,9 +125,17 @@ pub fn load(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<BitmapTe
         }
     };
     let texture = BitmapTexture::new(bitmap, &options?);
-    if texture.is_none() {
-        let message = format!("{} has no such channel", path.display());
-        parameters.error(Fault::BadValue, "channel", message);
+    match &texture {
+        None => {
+            let message = format!("{} has no such channel", path.display());
+            parameters.error(Fault::BadValue, "channel", message);
+        }
+        // A sum that holds one of them is none of a number.
+        Some(texture) if !texture.mean.is_finite() => {
+            let message = format!("{} holds values that are no finite numbers", path.display());
+            parameters.warning(Fault::BadValue, "filename", message);
+        }
+        Some(_) => {}
     }
     texture
 }
