@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 /// The weight of a sample of density `pdf` when another technique could have found it with density
 /// `other` (Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, 1997, section 9.2.4:
 /// the power heuristic with exponent two).
-#[inline]
+#[inline(always)]
 #[must_use]
 pub(crate) fn power_heuristic(pdf: f32, other: f32) -> f32 {
     let squared = pdf * pdf;
@@ -47,7 +47,7 @@ impl Origin {
 }
 
 /// Radiance that the surface itself sends back along the ray that found it, weighed.
-#[inline]
+#[inline(always)]
 pub(crate) fn emitted(
     scene: &Scene,
     surface: &SurfaceInteraction,
@@ -83,7 +83,7 @@ pub(crate) struct NextEvent {
 impl NextEvent {
     /// Light that one emitter, chosen by chance, sends over `surface` back along the path, weighed
     /// against the chance that scattering finds it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn estimate(
         &self,
         scene: &Scene,

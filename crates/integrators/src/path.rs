@@ -1,13 +1,14 @@
 //! `path`: unidirectional path tracing with next-event estimation.
 
-use crate::light::{NextEvent, Origin, distant, emitted, first_hit};
+use crate::light::{NextEvent, Origin, distant, emitted};
 use crate::{Integrator, Radiance};
 use etendue_document::{Fault, Parameters};
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
-use etendue_render::{Manual, ParameterManual, Scene, ShapeId, SurfaceInteraction};
+use etendue_render::{Hit, Manual, ParameterManual, Scene, ShapeId, SurfaceInteraction};
 use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
+use glam::Vec2;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -115,17 +116,10 @@ impl Sheet {
         Self { shape: surface.shape, thickness }
     }
 
-    /// What `ray` hits behind the sheet; the ray is moved there.
-    fn hit_beyond(self, scene: &Scene, ray: &mut Ray) -> Option<SurfaceInteraction> {
-        let mut remaining = self.thickness;
-        loop {
-            let surface = scene.intersect(ray)?;
-            remaining -= surface.t;
-            if surface.shape != self.shape || remaining < 0.0 {
-                return Some(surface);
-            }
-            *ray = surface.spawn_ray(ray.direction);
-        }
+    /// Whether the sheet's other face is met within the thickness that is left, which shrinks.
+    fn holds(&mut self, surface: &SurfaceInteraction) -> bool {
+        self.thickness -= surface.t;
+        surface.shape == self.shape && self.thickness >= 0.0
     }
 }
 
@@ -148,15 +142,11 @@ impl Integrator for Path {
             alpha: 0.0,
         };
         while path.depth < self.max_depth {
-            let hit = match path.sheet.take() {
-                _ if path.depth == 0 => first_hit(scene, &path.ray, self.hide_emitters),
-                None => scene.intersect(&path.ray),
-                Some(sheet) => sheet.hit_beyond(scene, &mut path.ray),
-            };
-            let Some(surface) = hit else {
+            let Some(hit) = self.next_hit(scene, &mut path) else {
                 self.escape(scene, &mut path);
                 break;
             };
+            let surface = scene.interaction(&path.ray, &hit);
             path.radiance +=
                 path.throughput * emitted(scene, &surface, path.ray.direction, &path.origin);
             if path.depth + 1 >= self.max_depth
@@ -171,6 +161,32 @@ impl Integrator for Path {
 }
 
 impl Path {
+    /// Where the path goes on. Most vertices need no more than the first line.
+    #[inline]
+    fn next_hit(&self, scene: &Scene, path: &mut State) -> Option<Hit> {
+        let hit = scene.closest_hit(&path.ray)?;
+        let hiding = self.hide_emitters && path.depth == 0;
+        if hiding || path.sheet.is_some() { self.skip(scene, path, hit) } else { Some(hit) }
+    }
+
+    /// Goes on through emitters that are hidden, or through the rest of a sheet.
+    #[cold]
+    fn skip(&self, scene: &Scene, path: &mut State, mut hit: Hit) -> Option<Hit> {
+        let mut sheet = path.sheet.take();
+        loop {
+            let surface = scene.interaction(&path.ray, &hit);
+            let skipped = match &mut sheet {
+                Some(sheet) => sheet.holds(&surface),
+                None => scene.emitter_of(&surface).is_some(),
+            };
+            if !skipped {
+                return Some(hit);
+            }
+            path.ray = surface.spawn_ray(path.ray.direction);
+            hit = scene.closest_hit(&path.ray)?;
+        }
+    }
+
     /// The ray has left the scene.
     fn escape(&self, scene: &Scene, path: &mut State) {
         if self.hide_emitters && path.depth == 0 {
@@ -195,14 +211,18 @@ impl Path {
             return false;
         }
         let bsdf = scene.prepare_bsdf(surface);
-        let light_random = stream.next_2d();
-        let competing = self.emitter_sampling && bsdf.has_smooth_lobe();
-        if competing {
+        let first_dimension = stream.dimension();
+        if self.emitter_sampling && bsdf.has_smooth_lobe() {
             let next_event = NextEvent { strict_normals: self.strict_normals, scatter_ratio: 1.0 };
-            path.radiance +=
-                path.throughput * next_event.estimate(scene, surface, &bsdf, light_random);
+            let light = next_event.estimate(scene, surface, &bsdf, stream.next_2d());
+            path.radiance += path.throughput * light;
         }
-        self.scatter(path, surface, &bsdf, stream) && self.survives(path, stream)
+        // Every vertex has the same six numbers, used or not: what a path draws at a depth does not
+        // depend on what it met before.
+        stream.set_dimension(first_dimension.wrapping_add(2));
+        let direction = stream.next_2d();
+        let Vec2 { x: lobe, y: roulette } = stream.next_2d();
+        self.scatter(path, surface, &bsdf, (lobe, direction)) && self.survives(path, roulette)
     }
 
     /// Takes the next direction; false where there is none.
@@ -211,9 +231,8 @@ impl Path {
         path: &mut State,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
-        stream: &mut SampleStream,
+        (lobe, direction): (f32, Vec2),
     ) -> bool {
-        let (lobe, direction) = (stream.next_1d(), stream.next_2d());
         let sample = bsdf.sample(surface.wi, lobe, direction, Transport::Radiance);
         let Some(BsdfSample { wo, weight, pdf, eta, lobe }) = sample else { return false };
         let direction = surface.to_world(wo);
@@ -235,8 +254,7 @@ impl Path {
     }
 
     /// Russian roulette: paths that carry little end early, and the survivors stand for them.
-    fn survives(&self, path: &mut State, stream: &mut SampleStream) -> bool {
-        let random = stream.next_1d();
+    fn survives(&self, path: &mut State, random: f32) -> bool {
         if path.depth < self.rr_depth {
             return true;
         }

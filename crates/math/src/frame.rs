@@ -5,7 +5,7 @@ use glam::Vec3;
 /// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`.
 ///
 /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn coordinate_system(n: Vec3) -> (Vec3, Vec3) {
     let sign = 1.0_f32.copysign(n.z);
@@ -29,7 +29,7 @@ pub struct Frame {
 
 impl Frame {
     /// Any frame around the unit normal `n`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn from_normal(n: Vec3) -> Self {
         let (s, t) = coordinate_system(n);
@@ -38,7 +38,7 @@ impl Frame {
 
     /// The frame around the unit normal `n` whose `s` is as close to `tangent` as it can be; any
     /// frame where `tangent` is zero, not finite or along the normal.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
         let along = tangent - n * n.dot(tangent);
@@ -52,14 +52,14 @@ impl Frame {
     }
 
     /// World to local coordinates.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(self.s.dot(v), self.t.dot(v), self.n.dot(v))
     }
 
     /// Local to world coordinates.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.s * v.x + self.t * v.y + self.n * v.z

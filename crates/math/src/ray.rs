@@ -19,12 +19,14 @@ pub struct Ray {
 
 impl Ray {
     /// An unbounded ray.
+    #[inline(always)]
     #[must_use]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY }
     }
 
     /// A ray that ends at `t_max` lengths of `direction`.
+    #[inline(always)]
     #[must_use]
     pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
         Self { origin, direction, t_max }
@@ -44,7 +46,7 @@ impl Ray {
 /// through the box `point ± error`. The origin is moved along the geometric `normal`, to the side
 /// that `direction` points to, just out of that box, and then each coordinate is rounded away from
 /// the surface (Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th ed., section 6.8.6).
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn offset_ray_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
     let distance = normal.abs().dot(error);

@@ -58,21 +58,21 @@ impl SurfaceInteraction {
     }
 
     /// World to shading coordinates.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         self.shading.to_local(v)
     }
 
     /// Shading to world coordinates.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.shading.to_world(v)
     }
 
     /// An unbounded ray that leaves the surface towards the world direction `direction`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray::new(offset_ray_origin(self.point, self.error, self.normal, direction), direction)

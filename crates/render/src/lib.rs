@@ -24,6 +24,8 @@ pub mod sensor;
 pub mod shape;
 pub mod texture;
 
+pub use etendue_bvh::Hit;
+
 pub use builder::{Assets, BuildOptions, Builder, build_scene};
 pub use ids::{EmitterId, GroupId, MaterialId, ShapeId, TextureId};
 pub use interaction::SurfaceInteraction;

@@ -9,8 +9,10 @@ use crate::sensor::Sensor;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
 use crate::texture::{Texture, Textures};
-use etendue_bvh::{BuildOptions, Bvh, GeometryView, PrimitiveHit, Primitives, TriangleMeshView};
-use etendue_document::{Diagnostics, Fault, NodeId};
+use etendue_bvh::{
+    BuildOptions, Bvh, GeometryView, Hit, PrimitiveHit, Primitives, TriangleMeshView,
+};
+use etendue_document::{Diagnostics, Fault};
 use etendue_math::{Bounds3, Ray};
 use etendue_sampling::SamplerSpec;
 use glam::Vec2;
@@ -41,7 +43,6 @@ pub(crate) struct Parts {
     pub(crate) textures: Vec<Texture>,
     pub(crate) emitters: Vec<Emitter>,
     pub(crate) sensors: Vec<SensorSetup>,
-    pub(crate) integrator: Option<NodeId>,
     pub(crate) hash: [u8; 32],
 }
 
@@ -56,7 +57,6 @@ pub struct Scene {
     emitters: Vec<Emitter>,
     environments: Vec<EmitterId>,
     sensors: Vec<SensorSetup>,
-    integrator: Option<NodeId>,
     hash: [u8; 32],
 }
 
@@ -139,7 +139,6 @@ impl Scene {
             emitters: parts.emitters,
             environments,
             sensors: parts.sensors,
-            integrator: parts.integrator,
             hash: parts.hash,
         })
     }
@@ -148,15 +147,30 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<SurfaceInteraction> {
-        let hit = self.bvh.intersect(ray, self)?;
-        if hit.instance != u32::MAX {
-            return Some(self.instance_interaction(ray, &hit));
-        }
-        let id = ShapeId(hit.geometry);
-        Some(self.shapes[id.index()].interaction(id, ray, &hit))
+        let hit = self.closest_hit(ray)?;
+        Some(self.interaction(ray, &hit))
     }
 
-    fn instance_interaction(&self, ray: &Ray, hit: &etendue_bvh::Hit) -> SurfaceInteraction {
+    /// Where `ray` hits first, in the tree's terms: for [`Self::interaction`].
+    #[inline(always)]
+    #[must_use]
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.bvh.intersect(ray, self)
+    }
+
+    /// Everything that is known where `ray` has met the scene.
+    #[inline(always)]
+    #[must_use]
+    pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        if hit.instance != Hit::NO_INSTANCE {
+            return self.instance_interaction(ray, hit);
+        }
+        let id = ShapeId(hit.geometry);
+        self.shapes[id.index()].interaction(id, ray, hit)
+    }
+
+    #[cold]
+    fn instance_interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let placed = ShapeId(hit.instance);
         let Geometry::Instance(instance) = &self.shapes[placed.index()].geometry else {
             unreachable!("the tree reports instances for instance shapes only");
@@ -169,14 +183,14 @@ impl Scene {
     }
 
     /// Whether anything lies on `ray`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.bvh.occluded(ray, self)
     }
 
     /// The material of a hit, resolved: reads its textures.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn prepare_bsdf(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
         self.materials().prepare(self.shape(surface.shape).material, self.textures(), surface)
@@ -225,7 +239,7 @@ impl Scene {
     }
 
     /// Chooses an emitter, all alike; the random number is stretched for use again.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn choose_emitter(&self, random: &mut f32) -> Option<EmitterChoice> {
         let count = self.emitters.len();
@@ -250,12 +264,6 @@ impl Scene {
     #[must_use]
     pub fn sensors(&self) -> &[SensorSetup] {
         &self.sensors
-    }
-
-    /// The document node that says how light is computed, if the file has one.
-    #[must_use]
-    pub fn integrator(&self) -> Option<NodeId> {
-        self.integrator
     }
 
     /// The box around everything.

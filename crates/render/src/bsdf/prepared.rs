@@ -70,6 +70,22 @@ macro_rules! materials {
                     $(Material::$wrapper(material) => material.gather(gather, placement, bsdf),)*
                 }
             }
+
+            /// The closure of a material that is no wrapper.
+            #[inline(always)]
+            fn resolve(
+                &self,
+                id: MaterialId,
+                textures: Textures<'a>,
+                surface: &SurfaceInteraction,
+            ) -> Option<AnyClosure<'a>> {
+                match &self.materials[id.index()] {
+                    $(Material::$name(material) => {
+                        Some(AnyClosure::$name(material.resolve(textures, surface)))
+                    })*
+                    $(Material::$wrapper(_) => None,)*
+                }
+            }
         }
     };
 }
@@ -401,8 +417,19 @@ impl<'a> Materials<'a> {
         textures: Textures<'a>,
         surface: &SurfaceInteraction,
     ) -> Bsdf<'a> {
+        // Nearly all materials are one closure, perhaps on two sides: they need not be gathered.
+        let (simple, placement) = match &self.materials[id.index()] {
+            Material::TwoSided(sides) => sides.side(Placement::PLAIN, surface.wi),
+            _ => (id, Placement::PLAIN),
+        };
+        if let Some(closure) = self.resolve(simple, textures, surface) {
+            return Bsdf { first: Some(Leaf { closure, placement }), others: Vec::new() };
+        }
+        self.prepare_wrapped(id, Gather { materials: *self, textures, surface })
+    }
+
+    fn prepare_wrapped(&self, id: MaterialId, gather: Gather<'a, '_>) -> Bsdf<'a> {
         let mut bsdf = Bsdf::black();
-        let gather = Gather { materials: *self, textures, surface };
         self.gather(id, &gather, Placement::PLAIN, &mut bsdf);
         bsdf
     }

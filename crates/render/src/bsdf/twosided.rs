@@ -6,6 +6,7 @@ use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
+use glam::Vec3;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -65,10 +66,18 @@ fn transmits(materials: &[Material], id: MaterialId) -> bool {
 impl TwoSided {
     /// Adds the closures of the side that `wi` is on.
     pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
-        if placement.to_closure(gather.surface.wi).z >= 0.0 {
-            gather.materials.gather(self.front, gather, placement, bsdf);
+        let (material, placement) = self.side(placement, gather.surface.wi);
+        gather.materials.gather(material, gather, placement, bsdf);
+    }
+
+    /// The material of the side that `wi` is on, and how it lies there.
+    #[inline]
+    #[must_use]
+    pub fn side(&self, placement: Placement, wi: Vec3) -> (MaterialId, Placement) {
+        if placement.to_closure(wi).z >= 0.0 {
+            (self.front, placement)
         } else {
-            gather.materials.gather(self.back, gather, placement.flipped(), bsdf);
+            (self.back, placement.flipped())
         }
     }
 }

@@ -48,6 +48,7 @@ impl Area {
         self.radiance.eval(scene.textures(), surface)
     }
 
+    #[inline(always)]
     pub(super) fn sample_direction(
         &self,
         scene: &Scene,

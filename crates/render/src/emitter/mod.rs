@@ -75,7 +75,7 @@ const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
 
 impl DirectionSample {
     /// The ray that must be free for the light to arrive at a surface.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn shadow_ray(&self, surface: &SurfaceInteraction) -> Ray {
         match self.target {
@@ -92,7 +92,7 @@ impl DirectionSample {
 
 impl Emitter {
     /// Chooses where light may come from, seen from `reference`; `None` where none can.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sample_direction(
         &self,

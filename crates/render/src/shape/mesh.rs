@@ -33,9 +33,37 @@ const INTERSECTION_ROUNDINGS: u32 = 12;
 enum AreaSampling {
     /// A triangle by its area, then a point in it.
     Triangles(AliasTable),
-    /// The two triangles are a parallelogram: one smooth map, which keeps well-spread random
-    /// numbers well spread.
-    Parallelogram,
+    /// The two triangles are a flat parallelogram: one smooth map, which keeps well-spread random
+    /// numbers well spread, and needs no vertices.
+    Parallelogram(Parallelogram),
+}
+
+/// A flat parallelogram: everything is affine in the two random numbers.
+#[derive(Clone, Copy, Debug)]
+struct Parallelogram {
+    corner: Vec3,
+    edges: [Vec3; 2],
+    /// A bound of the error of any point.
+    error: Vec3,
+    normal: Vec3,
+    shading_normal: Vec3,
+    corner_uv: Vec2,
+    edges_uv: [Vec2; 2],
+    pdf: f32,
+}
+
+impl Parallelogram {
+    #[inline]
+    fn sample(&self, random: Vec2) -> ShapeSample {
+        ShapeSample {
+            point: self.corner + self.edges[0] * random.x + self.edges[1] * random.y,
+            error: self.error,
+            normal: self.normal,
+            shading_normal: self.shading_normal,
+            uv: self.corner_uv + self.edges_uv[0] * random.x + self.edges_uv[1] * random.y,
+            pdf: self.pdf,
+        }
+    }
 }
 
 /// What the parameters common to all meshes ask for.
@@ -123,23 +151,39 @@ impl Mesh {
 
     /// Makes the mesh ready to be a light.
     pub fn prepare_sampling(&mut self) {
-        if self.is_parallelogram() {
-            self.sampling = Some(AreaSampling::Parallelogram);
-            return;
-        }
-        let areas: Vec<f32> = self.triangle_areas().collect();
-        self.sampling = AliasTable::new(&areas).ok().map(AreaSampling::Triangles);
+        self.sampling = self.parallelogram().map(AreaSampling::Parallelogram).or_else(|| {
+            let areas: Vec<f32> = self.triangle_areas().collect();
+            AliasTable::new(&areas).ok().map(AreaSampling::Triangles)
+        });
     }
 
-    /// Two triangles (a, b, c) and (a, c, a + c − b).
-    fn is_parallelogram(&self) -> bool {
-        let [first, second] = self.indices.as_slice() else { return false };
-        if first[0] != second[0] || first[2] != second[1] {
-            return false;
+    /// The mesh as a parallelogram (a, b, c, d), if it is two triangles (a, b, c) and (a, c, d) of
+    /// one, with the same normal and affine coordinates all over.
+    fn parallelogram(&self) -> Option<Parallelogram> {
+        let &[[a, b, c], [a_again, c_again, d]] = self.indices.as_slice() else { return None };
+        let vertices = [a, b, c, d].map(|vertex| vertex as usize);
+        let corners = vertices.map(|vertex| self.positions[vertex]);
+        let uvs = vertices.map(|vertex| self.uvs.get(vertex).copied().unwrap_or_default());
+        let same_normal = self.normals.windows(2).all(|pair| pair[0].dot(pair[1]) > 1.0 - 1e-6);
+        let size = (corners[2] - corners[0]).abs().max_element();
+        let skew = (corners[0] + corners[2] - corners[1] - corners[3]).abs().max_element();
+        let skew_uv = (uvs[0] + uvs[2] - uvs[1] - uvs[3]).abs().max_element();
+        if (a, c) != (a_again, c_again) || !same_normal || skew > 1e-5 * size || skew_uv > 1e-5 {
+            return None;
         }
-        let [a, b, c] = self.corners(0);
-        let d = self.positions[second[2] as usize];
-        (a + c - b - d).abs().max_element() <= 1e-5 * (c - a).abs().max_element()
+        let middle = self.light_point(0, Vec2::new(0.0, 0.5));
+        let magnitude = corners.iter().fold(Vec3::ZERO, |sum, corner| sum.max(corner.abs()));
+        let reach = Vec3::splat(size * rounding_error_bound(INTERSECTION_ROUNDINGS));
+        Some(Parallelogram {
+            corner: corners[0],
+            edges: [corners[1] - corners[0], corners[3] - corners[0]],
+            error: magnitude * rounding_error_bound(16) + reach,
+            normal: middle.normal,
+            shading_normal: middle.shading_normal,
+            corner_uv: uvs[0],
+            edges_uv: [uvs[1] - uvs[0], uvs[3] - uvs[0]],
+            pdf: middle.pdf,
+        })
     }
 
     fn triangle_areas(&self) -> impl Iterator<Item = f32> + '_ {
@@ -195,30 +239,20 @@ impl Mesh {
     }
 
     /// The surface at barycentric coordinates `barycentric` of the second and third vertex.
-    ///
-    /// The error bound is that of interpolating three vertices by weights that sum to one: γ₇ times
-    /// the sum of the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5). To it
-    /// comes what the intersection test itself can be wrong by: it works on the vertices as seen from
-    /// the ray's origin, and its distance to the plane is rounded in proportion to how far they are.
-    /// Without this a ray leaving a floor in the plane y = 0, where the first bound vanishes, hits the
-    /// floor again.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
         let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
         let [a, b, c] = vertices.map(|vertex| self.positions[vertex]);
         let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
-        let terms = [a * weights[0], b * weights[1], c * weights[2]];
-        let magnitude = terms[0].abs() + terms[1].abs() + terms[2].abs();
+        let (point, error) = interpolate([a, b, c], weights);
         let (edge_1, edge_2) = (b - a, c - a);
         let normal = edge_1.cross(edge_2).normalize_or(Vec3::Z) * self.orientation;
-        let reach = edge_1.abs().max(edge_2.abs()).max_element();
         let (uv, tangents) = self.parametrization(vertices, barycentric, [edge_1, edge_2]);
         let (dp_du, dp_dv) = tangents.unwrap_or_else(|| coordinate_system(normal));
         SurfacePoint {
-            point: terms[0] + terms[1] + terms[2],
-            error: magnitude * rounding_error_bound(7)
-                + Vec3::splat(reach * rounding_error_bound(INTERSECTION_ROUNDINGS)),
+            point,
+            error,
             normal,
             shading_normal: self.shading_normal(vertices, weights).unwrap_or(normal),
             uv,
@@ -227,7 +261,7 @@ impl Mesh {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn shading_normal(&self, vertices: [usize; 3], weights: [f32; 3]) -> Option<Vec3> {
         if self.normals.is_empty() {
             return None;
@@ -237,7 +271,7 @@ impl Mesh {
     }
 
     /// The surface coordinates, and the position's derivatives by them where they are independent.
-    #[inline]
+    #[inline(always)]
     fn parametrization(
         &self,
         vertices: [usize; 3],
@@ -261,33 +295,60 @@ impl Mesh {
     }
 
     /// A point uniform in area; `None` where the mesh has none or was not made ready.
+    #[inline(always)]
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
-        let (triangle, barycentric) = match self.sampling.as_ref()? {
-            AreaSampling::Parallelogram => unfold_parallelogram(random),
+        match self.sampling.as_ref()? {
+            AreaSampling::Parallelogram(parallelogram) => Some(parallelogram.sample(random)),
             AreaSampling::Triangles(table) => {
                 let (choice, y) = choose_triangle(table, random);
-                (choice.index as u32, warp::uniform_triangle::sample(Vec2::new(choice.rest, y)))
+                let barycentric = warp::uniform_triangle::sample(Vec2::new(choice.rest, y));
+                Some(self.light_point(choice.index as u32, barycentric))
             }
+        }
+    }
+
+    /// What a light needs of [`Self::surface_point`]: no tangents.
+    #[inline(always)]
+    fn light_point(&self, triangle: u32, barycentric: Vec2) -> ShapeSample {
+        let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
+        let corners = vertices.map(|vertex| self.positions[vertex]);
+        let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
+        let (point, error) = interpolate(corners, weights);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize_or(Vec3::Z) * self.orientation;
+        let uv = if self.uvs.is_empty() {
+            barycentric
+        } else {
+            let [a, b, c] = vertices.map(|vertex| self.uvs[vertex]);
+            a * weights[0] + b * weights[1] + c * weights[2]
         };
-        let surface = self.surface_point(triangle, barycentric);
-        Some(ShapeSample {
-            point: surface.point,
-            error: surface.error,
-            normal: surface.normal,
-            shading_normal: surface.shading_normal,
-            uv: surface.uv,
+        ShapeSample {
+            point,
+            error,
+            normal,
+            shading_normal: self.shading_normal(vertices, weights).unwrap_or(normal),
+            uv,
             pdf: 1.0 / self.area,
-        })
+        }
     }
 }
 
-/// Triangle and barycentric coordinates of the point a + u·(b − a) + v·(d − a) of the parallelogram
-/// (a, b, c, d), which is cut along the diagonal from a to c.
-fn unfold_parallelogram(random: Vec2) -> (u32, Vec2) {
-    let Vec2 { x: u, y: v } = random;
-    // c − a = (b − a) + (d − a).
-    if u >= v { (0, Vec2::new(u - v, v)) } else { (1, Vec2::new(u, v - u)) }
+/// The point of a triangle with barycentric coordinates `weights`, and a bound of its error.
+///
+/// The bound is that of interpolating three vertices by weights that sum to one: γ₇ times the sum of
+/// the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5). To it comes what the
+/// intersection test itself can be wrong by: it works on the vertices as seen from the ray's origin,
+/// and its distance to the plane is rounded in proportion to how far they are. Without this a ray
+/// leaving a floor in the plane y = 0, where the first bound vanishes, hits the floor again.
+#[inline(always)]
+fn interpolate([a, b, c]: [Vec3; 3], weights: [f32; 3]) -> (Vec3, Vec3) {
+    let terms = [a * weights[0], b * weights[1], c * weights[2]];
+    let magnitude = terms[0].abs() + terms[1].abs() + terms[2].abs();
+    let reach = (b - a).abs().max((c - a).abs()).max_element();
+    let error = magnitude * rounding_error_bound(7)
+        + Vec3::splat(reach * rounding_error_bound(INTERSECTION_ROUNDINGS));
+    (terms[0] + terms[1] + terms[2], error)
 }
 
 /// Chooses a triangle, and gives what is left of the second number. The bits of one number do for a

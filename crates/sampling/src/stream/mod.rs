@@ -140,14 +140,19 @@ pub struct SampleStream {
     sample_seed: u64,
 }
 
+/// Dimensions from here on are independent in every kind: film, lens and four vertices of six
+/// numbers each come before. What a path does later is no smooth function of the numbers any more,
+/// so that spreading them gains nothing, and a spread pair costs four times as much to draw.
+const SPREAD_DIMENSIONS: u32 = 28;
+
 impl SampleStream {
     /// The next number, uniform in [0, 1). Takes one dimension.
     #[inline]
     #[must_use]
     pub fn next_1d(&mut self) -> f32 {
         let value = match self.kind {
-            SamplerKind::Independent => unit_float((self.jitter() >> 32) as u32),
-            SamplerKind::Sobol => sobol::next_1d(self),
+            _ if self.is_independent() => unit_float((self.jitter() >> 32) as u32),
+            SamplerKind::Independent | SamplerKind::Sobol => sobol::next_1d(self),
             SamplerKind::LowDiscrepancy => low_discrepancy::next_1d(self),
             SamplerKind::Halton => halton::next_1d(self),
             SamplerKind::Orthogonal => orthogonal::next_1d(self),
@@ -165,11 +170,11 @@ impl SampleStream {
     #[must_use]
     pub fn next_2d(&mut self) -> Vec2 {
         let value = match self.kind {
-            SamplerKind::Independent => {
+            _ if self.is_independent() => {
                 let bits = self.jitter();
                 Vec2::new(unit_float((bits >> 32) as u32), unit_float(bits as u32))
             }
-            SamplerKind::Sobol => sobol::next_2d(self),
+            SamplerKind::Independent | SamplerKind::Sobol => sobol::next_2d(self),
             SamplerKind::LowDiscrepancy => low_discrepancy::next_2d(self),
             SamplerKind::Stratified => stratified::next_2d(self),
             SamplerKind::Multijitter => multijitter::next_2d(self),
@@ -192,6 +197,12 @@ impl SampleStream {
     #[inline]
     pub fn set_dimension(&mut self, dimension: u32) {
         self.dimension = dimension;
+    }
+
+    /// Whether the next number is drawn without regard to the other samples.
+    #[inline]
+    fn is_independent(&self) -> bool {
+        self.dimension >= SPREAD_DIMENSIONS || self.kind == SamplerKind::Independent
     }
 
     /// 64 bits that no other dimension, sample, pixel or seed shares.
