@@ -68,7 +68,15 @@ impl SampleSource for Camera<'_> {
         let mut stream = self.sampler.start(pixel, id.index);
         let (offset, weight) = self.setup.film.filter.sample(stream.next_2d());
         let film_position = (pixel.as_vec2() + 0.5 + offset) * self.pixel_size;
-        let sensor = self.setup.sensor.sample_ray(film_position, stream.next_2d());
+        // The numbers for the lens are passed over where there is none: drawing them costs, and what
+        // follows must not depend on it.
+        let aperture = if self.setup.sensor.has_lens() {
+            stream.next_2d()
+        } else {
+            stream.set_dimension(stream.dimension().wrapping_add(2));
+            Vec2::ZERO
+        };
+        let sensor = self.setup.sensor.sample_ray(film_position, aperture);
         let radiance = self.integrator.sample(self.scene, &sensor.ray, &mut stream, layers);
         Sample { color: radiance.color * sensor.weight, alpha: radiance.alpha, weight }
     }

@@ -202,7 +202,7 @@ impl<'a> Builder<'a> {
 
     fn sensors(&mut self, root: &Parameters<'_>) -> Vec<SensorSetup> {
         let children = root.children_of(Class::Sensor);
-        if children.is_empty() {
+        if children.is_empty() && !root.is_incomplete() {
             let message = "the scene has no sensor: there is nothing to see it with";
             self.assets.diagnostics.warning(Fault::MissingParameter, root.span(), message);
         }
@@ -211,13 +211,14 @@ impl<'a> Builder<'a> {
 
     fn sensor(&mut self, node: NodeId) -> Option<SensorSetup> {
         let parameters = self.parameters(node);
-        let film = self.film(&parameters)?;
+        let film = self.film(&parameters);
         let sampler = crate::sampler::build_child(&parameters);
         let build = find(registry::SENSORS, &parameters)?;
-        let sensor = build(self, &parameters, &film)?;
+        // Mistakes of the sensor are found even where its film has some.
+        let sensor = build(self, &parameters, &film.clone().unwrap_or_default())?;
         let id = parameters.id().map(str::to_owned);
         parameters.finish();
-        Some(SensorSetup { id, sensor, film, sampler: sampler? })
+        Some(SensorSetup { id, sensor, film: film?, sampler: sampler? })
     }
 
     fn film(&mut self, sensor: &Parameters<'_>) -> Option<FilmSpec> {

@@ -277,6 +277,6 @@ pub(super) fn nested(
     };
     let fault = if count < *allowed.start() { Fault::MissingParameter } else { Fault::BadValue };
     let message = format!("`{}` needs {wanted} inside it, not {count}", parameters.plugin());
-    parameters.diagnostics().error(fault, parameters.span(), message);
+    parameters.error(fault, "", message);
     None
 }

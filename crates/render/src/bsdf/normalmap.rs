@@ -60,7 +60,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<N
     let map = builder.optional_color(parameters, "normalmap", SpectrumUse::Unbounded);
     if map.is_none() && !parameters.has("normalmap") {
         let message = "`normalmap` needs a texture named `normalmap`";
-        parameters.diagnostics().error(Fault::MissingParameter, parameters.span(), message);
+        parameters.error(Fault::MissingParameter, "normalmap", message);
     }
     Some(NormalMap { map: map?, perturbation, nested: nested?[0] })
 }

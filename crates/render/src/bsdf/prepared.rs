@@ -54,6 +54,11 @@ macro_rules! materials {
                 match self { $(Self::$name(closure) => closure.has_smooth_lobe(),)* }
             }
 
+            #[inline]
+            fn chooses_lobe(&self) -> bool {
+                match self { $(Self::$name(closure) => closure.chooses_lobe(),)* }
+            }
+
             fn albedo(&self, wi: Vec3) -> Spectrum {
                 match self { $(Self::$name(closure) => closure.albedo(wi),)* }
             }
@@ -259,6 +264,15 @@ struct Leaf<'a> {
 impl Leaf<'_> {
     #[inline]
     fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        if self.placement.turned.is_some() {
+            return self.eval_pdf_turned(wi, wo, transport);
+        }
+        let (wi, wo) = if self.placement.flipped { (flip(wi), flip(wo)) } else { (wi, wo) };
+        self.closure.eval_pdf(wi, wo, transport)
+    }
+
+    #[inline(never)]
+    fn eval_pdf_turned(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
         let (local_wi, local_wo) = (self.placement.to_closure(wi), self.placement.to_closure(wo));
         if !self.placement.agrees(wo, local_wo) {
             return (Spectrum::ZERO, 0.0);
@@ -269,6 +283,25 @@ impl Leaf<'_> {
 
     #[inline]
     fn sample(
+        &self,
+        wi: Vec3,
+        lobe: f32,
+        direction: Vec2,
+        transport: Transport,
+    ) -> Option<BsdfSample> {
+        if self.placement.turned.is_some() {
+            return self.sample_turned(wi, lobe, direction, transport);
+        }
+        if !self.placement.flipped {
+            return self.closure.sample(wi, lobe, direction, transport);
+        }
+        let mut sample = self.closure.sample(flip(wi), lobe, direction, transport)?;
+        sample.wo.z = -sample.wo.z;
+        Some(sample)
+    }
+
+    #[inline(never)]
+    fn sample_turned(
         &self,
         wi: Vec3,
         lobe: f32,
@@ -330,6 +363,14 @@ impl<'a> Bsdf<'a> {
     #[must_use]
     pub fn has_smooth_lobe(&self) -> bool {
         self.leaves().any(|leaf| leaf.closure.has_smooth_lobe())
+    }
+
+    /// Whether [`Self::sample`] uses its number for choosing a lobe.
+    #[inline]
+    #[must_use]
+    pub fn chooses_lobe(&self) -> bool {
+        !self.others.is_empty()
+            || self.first.as_ref().is_some_and(|leaf| leaf.closure.chooses_lobe())
     }
 
     /// f(wi, wo)·|cos θo| and the density of `wo` in solid angle.

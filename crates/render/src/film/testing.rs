@@ -5,6 +5,7 @@ use etendue_document::{
     Child, Class, Diagnostic, Diagnostics, Document, MemoryResources, Node, NodeId, Parameter,
     Parameters, Resolver, SourceId, Sources, Span, Value,
 };
+use std::collections::BTreeSet;
 
 /// A document whose root is the node of one plugin.
 pub(crate) struct TestNode {
@@ -21,7 +22,7 @@ impl TestNode {
         let source = sources.add("test.xml", " ".repeat(100));
         let nodes = vec![node(class, plugin, Span::new(source, 0..1))];
         let resolver = Resolver::default();
-        let document = Document { nodes, root: NodeId(0), sources, resolver };
+        let document = Document { nodes, root: NodeId(0), incomplete: BTreeSet::new(), sources, resolver };
         let resources = MemoryResources::default();
         Self { document, diagnostics: Diagnostics::new(), resources, source }
     }

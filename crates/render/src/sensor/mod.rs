@@ -67,6 +67,13 @@ pub struct CameraMatrices {
 }
 
 impl Sensor {
+    /// Whether rays start at different points of a lens, and `aperture` counts.
+    #[inline]
+    #[must_use]
+    pub fn has_lens(&self) -> bool {
+        matches!(self, Self::ThinLens(_))
+    }
+
     /// The ray from a film position through a point of the aperture; `aperture` is uniform in
     /// [0, 1)².
     #[inline]

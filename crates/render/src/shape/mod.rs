@@ -200,7 +200,12 @@ impl Shape {
     pub fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
         match &self.geometry {
             Geometry::Sphere(sphere) => sphere.sample_direction(reference, random),
-            _ => self.sample_area(random)?.seen_from(reference),
+            _ => {
+                let mut sample = self.sample_area(random)?;
+                sample.pdf =
+                    area_to_solid_angle(sample.pdf, sample.point - reference, sample.normal)?;
+                Some(sample)
+            }
         }
     }
 
