@@ -1,15 +1,39 @@
-//! How much memory the machine has to give.
+//! How much memory there is to take.
 
-/// The bytes that can be taken without swapping; `None` where the system does not tell.
+use std::fs::read_to_string;
+
+/// The bytes that can be taken without swapping, and without reaching a limit that a shell
+/// (`ulimit -v`) or a container sets to this process; `None` where the system does not tell.
 pub(crate) fn available() -> Option<u64> {
-    parse_meminfo(&std::fs::read_to_string("/proc/meminfo").ok()?)
+    let read = |path: &str| read_to_string(path).ok();
+    let physical = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
+    let address_space = read("/proc/self/limits").and_then(|limits| {
+        let used = kilobytes(&read("/proc/self/status")?, "VmSize:")?;
+        Some(address_space_limit(&limits)?.saturating_sub(used))
+    });
+    let container = || {
+        let limit = bytes(&read("/sys/fs/cgroup/memory.max")?)?;
+        Some(limit.saturating_sub(bytes(&read("/sys/fs/cgroup/memory.current")?)?))
+    };
+    [physical, address_space, container()].into_iter().flatten().min()
 }
 
-/// The line `MemAvailable: 123 kB` of Linux' `/proc/meminfo`.
-fn parse_meminfo(text: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+/// The line `MemAvailable: 123 kB` of Linux' `/proc/meminfo` and its like, in bytes.
+fn kilobytes(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     kilobytes.checked_mul(1024)
+}
+
+/// The soft limit of the line `Max address space  123  unlimited  bytes`, if there is one.
+fn address_space_limit(limits: &str) -> Option<u64> {
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
+}
+
+/// The only number of a file; `None` for the word `max`, which stands for no limit.
+fn bytes(text: &str) -> Option<u64> {
+    text.trim().parse().ok()
 }
 
 #[cfg(test)]
@@ -19,8 +43,17 @@ mod tests {
     #[test]
     fn the_available_memory_is_read() {
         let text = "MemTotal:  8000 kB\nMemAvailable:   1234 kB\n";
-        assert_eq!(parse_meminfo(text), Some(1234 * 1024));
-        assert_eq!(parse_meminfo("MemTotal: 5 kB"), None);
-        assert_eq!(parse_meminfo("MemAvailable: many kB"), None);
+        assert_eq!(kilobytes(text, "MemAvailable:"), Some(1234 * 1024));
+        assert_eq!(kilobytes("MemTotal: 5 kB", "MemAvailable:"), None);
+        assert_eq!(kilobytes("MemAvailable: many kB", "MemAvailable:"), None);
+    }
+
+    #[test]
+    fn limits_are_read() {
+        let limits =
+            "Limit  Soft Limit  Hard Limit  Units\nMax address space  4096  unlimited  bytes";
+        assert_eq!(address_space_limit(limits), Some(4096));
+        assert_eq!(address_space_limit("Max address space  unlimited  unlimited  bytes"), None);
+        assert_eq!((bytes("12\n"), bytes("max\n")), (Some(12), None));
     }
 }

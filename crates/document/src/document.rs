@@ -1,5 +1,6 @@
 //! Nodes, their parameters and children: a scene before anything is built from it.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use crate::{Diagnostics, NotFound, Parameters, Resolver, Resources, Sources, Span, Value};
@@ -125,6 +126,9 @@ pub struct Document {
     pub nodes: Vec<Node>,
     /// The scene.
     pub root: NodeId,
+    /// Nodes with a child that could not be read or found, which has been reported: what they lack
+    /// because of it is no further mistake.
+    pub incomplete: BTreeSet<NodeId>,
     /// The texts the nodes came from.
     pub sources: Sources,
     /// Where the files it names are looked for.

@@ -1,6 +1,6 @@
 //! The walk over the elements, which makes nodes of them.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use etendue_document::{
@@ -42,6 +42,8 @@ pub(crate) struct Loader<'a> {
     nodes: Vec<Node>,
     ids: HashMap<String, Named>,
     references: Vec<Reference>,
+    /// Nodes with a child that could not be read.
+    incomplete: BTreeSet<NodeId>,
     depth: usize,
     /// A limit was reached: nothing more is read.
     stopped: bool,
@@ -74,6 +76,7 @@ impl<'a> Loader<'a> {
             nodes: Vec::new(),
             ids: HashMap::new(),
             references: Vec::new(),
+            incomplete: BTreeSet::new(),
             depth: 0,
             stopped: false,
         }
@@ -101,10 +104,17 @@ impl<'a> Loader<'a> {
             return Err(self.sources);
         };
         self.report_unused_defines();
-        let Self { mut nodes, ids, references, diagnostics, options, .. } = self;
-        resolve::resolve(&mut nodes, &ids, &references, diagnostics, &options.limits);
+        let Self { mut nodes, ids, references, diagnostics, options, mut incomplete, .. } = self;
+        let limits = &options.limits;
+        incomplete.append(&mut resolve::resolve(
+            &mut nodes,
+            &ids,
+            &references,
+            diagnostics,
+            limits,
+        ));
         upgrade::upgrade(&mut nodes, &self.sources, &self.versions, diagnostics);
-        Ok(Document { nodes, root, sources: self.sources, resolver: self.resolver })
+        Ok(Document { nodes, root, incomplete, sources: self.sources, resolver: self.resolver })
     }
 
     /// The root element of the main file.
@@ -266,6 +276,8 @@ impl<'a> Loader<'a> {
         if plugin.is_some() {
             let child = Child { name: text("name"), node, span: element.span };
             self.node_mut(parent).children.push(child);
+        } else {
+            self.incomplete.insert(parent);
         }
         self.visit_children(element.node, node);
     }

@@ -1,6 +1,6 @@
 //! References by id become children, and what cannot be is reported and cut.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use etendue_document::{
     Class, Diagnostic, Diagnostics, Fault, Node, NodeId, Severity, Span, list_names, near_names,
@@ -44,14 +44,14 @@ const SUGGESTED: usize = 20;
 const COMPARED_IDS: usize = 200_000;
 
 /// Resolves every reference; afterwards the children form a graph without cycles, of bounded
-/// depth and size.
+/// depth and size. Returns the nodes that lost a child by that.
 pub(crate) fn resolve(
     nodes: &mut [Node],
     ids: &HashMap<String, Named>,
     references: &[Reference],
     diagnostics: &Diagnostics,
     limits: &Limits,
-) {
+) -> BTreeSet<NodeId> {
     check_aliases(ids, diagnostics);
     let wrappers = find_wrappers(nodes);
     let mut unknown = 0;
@@ -65,9 +65,10 @@ pub(crate) fn resolve(
             report_unknown(reference, ids, suggest, diagnostics);
         }
     }
-    remove_unresolved(nodes);
+    let mut incomplete = remove_unresolved(nodes);
     cut_cycles(nodes, diagnostics, limits);
-    remove_unresolved(nodes);
+    incomplete.append(&mut remove_unresolved(nodes));
+    incomplete
 }
 
 /// An alias may stand for an alias, but hardly for a long line of them.
@@ -122,10 +123,17 @@ fn report_unknown(
     diagnostics.push(diagnostic);
 }
 
-fn remove_unresolved(nodes: &mut [Node]) {
-    for node in nodes {
+/// Removes the children that were not found; returns the nodes that had one.
+fn remove_unresolved(nodes: &mut [Node]) -> BTreeSet<NodeId> {
+    let mut incomplete = BTreeSet::new();
+    for (index, node) in nodes.iter_mut().enumerate() {
+        let count = node.children.len();
         node.children.retain(|child| child.node != UNRESOLVED);
+        if node.children.len() < count {
+            incomplete.insert(NodeId(index as u32));
+        }
     }
+    incomplete
 }
 
 /// BSDFs with an id inside a top-level BSDF without one, with that wrapper.
@@ -269,7 +277,7 @@ fn finish(
         return Visit::Done { depth, size };
     };
     diagnostics.error(Fault::Limit, nodes[index].span, message);
-    nodes[index].children.clear();
+    nodes[index].children.iter_mut().for_each(|child| child.node = UNRESOLVED);
     Visit::Done { depth: 0, size: 1 }
 }
 

@@ -85,9 +85,17 @@ impl<'a> Parameters<'a> {
         self.diagnostics
     }
 
-    /// Reports an error at the place of parameter or child `name`, or of the node.
+    /// Whether a child could not be read or found, which has been reported.
+    pub fn is_incomplete(&self) -> bool {
+        self.document.incomplete.contains(&self.id)
+    }
+
+    /// Reports an error at the place of parameter or child `name`, or of the node; not what is
+    /// missing from a node that is known to be incomplete.
     pub fn error(&self, fault: Fault, name: &str, message: impl Into<String>) {
-        self.diagnostics.error(fault, self.span_of(name), message);
+        if fault != Fault::MissingParameter || !self.is_incomplete() {
+            self.diagnostics.error(fault, self.span_of(name), message);
+        }
     }
 
     /// Reports a warning at the place of parameter or child `name`, or of the node.

@@ -1,5 +1,7 @@
 //! Tests of how plugins read their nodes.
 
+use std::collections::BTreeSet;
+
 use glam::{DMat4, DVec3};
 
 use crate::*;
@@ -40,7 +42,13 @@ fn document(parameters: Vec<(&str, Value)>) -> Document {
     let nested = node(Class::Bsdf, "diffuse", "nested");
     let texture = node(Class::Texture, "bitmap", "texture");
     let nodes = vec![root, nested, texture];
-    Document { nodes, root: NodeId(0), sources, resolver: Resolver::default() }
+    Document {
+        nodes,
+        root: NodeId(0),
+        incomplete: BTreeSet::new(),
+        sources,
+        resolver: Resolver::default(),
+    }
 }
 
 fn messages(diagnostics: &Diagnostics) -> Vec<String> {

@@ -96,6 +96,12 @@ impl<'a> Builder<'a> {
             let span = parameters.span();
             parameters.finish();
             let (Some(to_world), Some(group)) = (to_world, group) else { continue };
+            // Rays are taken into the group by the inverse that single precision gives.
+            if !to_world.affine().inverse().is_finite() {
+                let message = "this shape reaches beyond what single precision can hold";
+                self.assets.diagnostics.error(Fault::Geometry, span, message);
+                continue;
+            }
             placed.push((group, to_world, span));
         }
         let first_grouped = (parts.shapes.len() + placed.len()) as u32;
