@@ -42,6 +42,11 @@ fn describe(text: &str, error: &Error) -> SyntaxError {
     let ends_early = matches!(error, Error::UnclosedRootNode | Error::UnexpectedEndOfStream);
     let range = match unclosed_element(text).filter(|_| ends_early) {
         Some(range) => range,
+        None if matches!(error, Error::InvalidCharacterData(_)) => {
+            // The position is that of the text's end.
+            let end = offset_of(text, error.pos());
+            text[..end].rfind("]]>").map_or(end..end, |start| start..start + 3)
+        }
         None if has_position(error) => word_at(text, offset_of(text, error.pos())),
         None => text.len()..text.len(),
     };
