@@ -286,3 +286,20 @@ fn spatial_splits_cut_slanted_triangles_and_change_no_hit() {
     }
     assert!(hits > 1_000, "{hits}");
 }
+
+#[test]
+fn areas_that_overflow_or_vanish_do_no_harm() {
+    for scale in [1e30_f32, 3e37, 1e-38, 1e-45] {
+        let positions: Vec<Vec3> =
+            (0..42).map(|i| Vec3::new(i as f32 / 20.0, (i % 2) as f32, 0.5) * scale).collect();
+        let indices: Vec<[u32; 3]> = (0..40).map(|i| [i, i + 1, i + 2]).collect();
+        let points = vec![Bounds3::new(Vec3::ONE, Vec3::ONE); 40];
+        for preset in PRESETS {
+            let mesh = TriangleMeshView { positions: &positions, indices: &indices };
+            let views = [GeometryView::Triangles(mesh), GeometryView::User(&points)];
+            for views in [&views[..], &views[..1], &views[1..]] {
+                Bvh::build(views, &preset).expect("valid").validate().expect("sound");
+            }
+        }
+    }
+}

@@ -9,7 +9,7 @@ use etendue_sampling::SampleStream;
 use glam::Vec3;
 
 /// The manual page.
-pub const MANUAL: Manual = Manual {
+pub(crate) const MANUAL: Manual = Manual {
     summary: "Adds layers to the picture of the integrators nested in it. `aovs` lists them as \
               `NAME:KIND`, separated by commas; a kind alone is its own name. The kinds are `albedo`, \
               `depth`, `position`, `uv`, `geo_normal`, `sh_normal`, `dp_du`, `dp_dv`, `prim_index` and \

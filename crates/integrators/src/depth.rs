@@ -7,7 +7,7 @@ use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
 
 /// The manual page.
-pub const MANUAL: Manual = Manual {
+pub(crate) const MANUAL: Manual = Manual {
     summary: "The distance from the start of the camera ray to what it meets first, in scene units; zero \
               where it meets nothing.",
     parameters: &[],

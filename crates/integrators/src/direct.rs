@@ -10,7 +10,7 @@ use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
 
 /// The manual page.
-pub const MANUAL: Manual = Manual {
+pub(crate) const MANUAL: Manual = Manual {
     summary: "Direct light: what is seen glows, or is lit by emitters without a detour.",
     parameters: &[
         ParameterManual {

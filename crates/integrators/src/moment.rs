@@ -6,7 +6,7 @@ use etendue_render::{Manual, Scene};
 use etendue_sampling::SampleStream;
 
 /// The manual page.
-pub const MANUAL: Manual = Manual {
+pub(crate) const MANUAL: Manual = Manual {
     summary: "Renders with the integrators nested in it, and records for each, beside its colour, the \
               square of every sample: `NAME.R` and `m2_NAME.R`, and so on, where NAME is the nested \
               integrator's. The variance of a sample is m2 − mean².",

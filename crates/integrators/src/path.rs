@@ -11,7 +11,7 @@ use etendue_spectrum::Spectrum;
 use glam::Vec2;
 
 /// The manual page.
-pub const MANUAL: Manual = Manual {
+pub(crate) const MANUAL: Manual = Manual {
     summary: "Path tracing: at every vertex an emitter is sampled and the material is sampled, and both \
               are combined by multiple importance sampling.",
     parameters: &[

@@ -131,6 +131,11 @@ impl Wide {
         self.nodes.push(Node::EMPTY);
         let mut children = Vec::with_capacity(WIDTH);
         distribute(tree, binary, WIDTH, &mut children);
+        // Where areas overflow or vanish no plan is better than none, and the node would be its own
+        // child.
+        if children == [binary] {
+            children = vec![binary + 1, tree[binary].right as usize];
+        }
         for (slot, &child) in children.iter().enumerate() {
             let node = &tree[child];
             let word = if is_leaf(node) {

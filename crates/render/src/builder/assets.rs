@@ -194,7 +194,7 @@ impl<'a> Assets<'a> {
     pub(super) fn report_not_found(&self) {
         let mut list =
             std::mem::take(&mut *self.not_found.lock().unwrap_or_else(PoisonError::into_inner));
-        list.sort_by(|(a, _), (b, _)| a.cmp(b));
+        list.sort_by_key(|(span, _)| *span);
         for (index, (span, not_found)) in list.iter().enumerate() {
             let mut diagnostic =
                 Diagnostic::new(self.missing(), Fault::Io, *span, not_found.to_string());

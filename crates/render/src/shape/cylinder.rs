@@ -47,7 +47,8 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Cylinder> {
     let scale = DMat3::from_mat4(to_world).determinant().abs().cbrt();
     let own = Frame::from_normal(axis.as_vec3().normalize_or(Vec3::Z));
     let unscaled = |v: Vec3| to_world.inverse().transform_vector3(v.as_dvec3()).length() * scale;
-    if !(length > 0.0)
+    if length.is_nan()
+        || length <= 0.0
         || (unscaled(own.s) - 1.0).abs() > 1e-3
         || (unscaled(own.t) - 1.0).abs() > 1e-3
     {
