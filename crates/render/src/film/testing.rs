@@ -22,7 +22,8 @@ impl TestNode {
         let source = sources.add("test.xml", " ".repeat(100));
         let nodes = vec![node(class, plugin, Span::new(source, 0..1))];
         let resolver = Resolver::default();
-        let document = Document { nodes, root: NodeId(0), incomplete: BTreeSet::new(), sources, resolver };
+        let document =
+            Document { nodes, root: NodeId(0), incomplete: BTreeSet::new(), sources, resolver };
         let resources = MemoryResources::default();
         Self { document, diagnostics: Diagnostics::new(), resources, source }
     }
