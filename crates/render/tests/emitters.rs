@@ -32,7 +32,8 @@ fn sky() -> Vec<u8> {
     let channels = ["R", "G", "B"].map(|name| Layer { name: name.to_owned(), data: data.clone() });
     let picture =
         Picture { channels: channels.to_vec(), ..Picture::new(width as u32, height as u32) };
-    encode(&picture, FileFormat::Exr, &EncodeOptions::default()).expect("the picture can be written")
+    encode(&picture, FileFormat::Exr, &EncodeOptions::default())
+        .expect("the picture can be written")
 }
 
 const REFERENCE: Vec3 = Vec3::new(0.3, -0.2, 0.1);
@@ -49,15 +50,39 @@ fn traced_pdf(scene: &Scene, direction: Vec3) -> f32 {
 }
 
 const HITTABLE: [(&str, &str); 9] = [
-    ("sphere from outside", r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#),
-    ("sphere from inside", r#"<shape type="sphere"><float name="radius" value="2"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#),
-    ("small sphere far away", r#"<shape type="sphere"><point name="center" x="60" y="-40" z="9"/><float name="radius" value="20"/><emitter type="area"/></shape>"#),
-    ("rectangle", r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"/></shape>"#),
-    ("disk", r#"<shape type="disk"><transform name="to_world"><scale x="2" y="1" z="1"/><rotate x="1" angle="190"/><translate z="2"/></transform><emitter type="area"/></shape>"#),
-    ("cylinder from inside", r#"<shape type="cylinder"><point name="p0" x="0" y="-2" z="0"/><point name="p1" x="0" y="3" z="1"/><float name="radius" value="1.5"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#),
-    ("cube from inside", r#"<shape type="cube"><transform name="to_world"><scale x="1" y="2" z="1.5"/></transform><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#),
+    (
+        "sphere from outside",
+        r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#,
+    ),
+    (
+        "sphere from inside",
+        r#"<shape type="sphere"><float name="radius" value="2"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+    ),
+    (
+        "small sphere far away",
+        r#"<shape type="sphere"><point name="center" x="60" y="-40" z="9"/><float name="radius" value="20"/><emitter type="area"/></shape>"#,
+    ),
+    (
+        "rectangle",
+        r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"/></shape>"#,
+    ),
+    (
+        "disk",
+        r#"<shape type="disk"><transform name="to_world"><scale x="2" y="1" z="1"/><rotate x="1" angle="190"/><translate z="2"/></transform><emitter type="area"/></shape>"#,
+    ),
+    (
+        "cylinder from inside",
+        r#"<shape type="cylinder"><point name="p0" x="0" y="-2" z="0"/><point name="p1" x="0" y="3" z="1"/><float name="radius" value="1.5"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+    ),
+    (
+        "cube from inside",
+        r#"<shape type="cube"><transform name="to_world"><scale x="1" y="2" z="1.5"/></transform><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+    ),
     ("constant", r#"<emitter type="constant"/>"#),
-    ("envmap", r#"<emitter type="envmap"><string name="filename" value="sky.exr"/><transform name="to_world"><rotate x="1" y="2" z="0.5" angle="40"/></transform></emitter>"#),
+    (
+        "envmap",
+        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/><transform name="to_world"><rotate x="1" y="2" z="0.5" angle="40"/></transform></emitter>"#,
+    ),
 ];
 
 #[test]
@@ -81,16 +106,18 @@ fn the_density_of_a_sample_is_that_of_its_direction() {
     for (name, elements) in HITTABLE {
         let scene = scene(elements);
         let emitter = scene.emitter(EmitterId(0));
+        let mut differing = 0;
         for _ in 0..2000 {
-            let Some(sample) = emitter.sample_direction(&scene, REFERENCE, random.next_vec2()) else {
+            let Some(sample) = emitter.sample_direction(&scene, REFERENCE, random.next_vec2())
+            else {
                 continue;
             };
             let pdf = traced_pdf(&scene, sample.direction);
-            // A direction that just touches the edge may be traced past it.
-            if pdf > 0.0 {
-                assert!((pdf / sample.pdf - 1.0).abs() < 5e-3, "{name}: {pdf} {sample:?}");
-            }
+            differing += u32::from((pdf / sample.pdf - 1.0).abs() > 5e-3);
         }
+        // A direction that just touches an edge, of a shape or of a picture's cell, may be traced to
+        // the other side of it.
+        assert!(differing <= 4, "{name}: {differing} of 2000");
     }
 }
 
@@ -121,7 +148,9 @@ fn sampling_and_tracing_find_the_same_light() {
 
 #[test]
 fn delta_emitters_give_what_their_formulas_say() {
-    let point = scene(r#"<emitter type="point"><point name="position" x="0.3" y="-0.2" z="2.1"/><rgb name="intensity" value="8"/></emitter>"#);
+    let point = scene(
+        r#"<emitter type="point"><point name="position" x="0.3" y="-0.2" z="2.1"/><rgb name="intensity" value="8"/></emitter>"#,
+    );
     let sample = |scene: &Scene| {
         let emitter: &Emitter = scene.emitter(EmitterId(0));
         emitter.sample_direction(scene, REFERENCE, glam::Vec2::ZERO)
@@ -131,7 +160,9 @@ fn delta_emitters_give_what_their_formulas_say() {
     assert!((light.radiance.luminance() - 2.0).abs() < 1e-5 && light.delta && light.pdf == 1.0);
     assert!((light.direction - Vec3::Z).length() < 1e-6);
 
-    let directional = scene(r#"<emitter type="directional"><vector name="direction" x="0" y="-3" z="0"/></emitter>"#);
+    let directional = scene(
+        r#"<emitter type="directional"><vector name="direction" x="0" y="-3" z="0"/></emitter>"#,
+    );
     let light = sample(&directional).expect("it shines everywhere");
     assert!((light.direction - Vec3::Y).length() < 1e-6);
     assert!((light.radiance.luminance() - 1.0).abs() < 1e-6);

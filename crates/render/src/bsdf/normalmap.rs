@@ -159,7 +159,7 @@ mod tests {
         let material = TestMaterial::read(
             r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.8, 0.5, 0.9"/><bsdf type="diffuse"/></bsdf>"#,
         );
-        let normal = material.bsdf(Vec3::Z).normal(Vec3::Z);
+        let normal = material.bsdf(Vec3::Z).normal();
         assert!((normal - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
     }
 

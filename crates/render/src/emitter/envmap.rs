@@ -113,9 +113,10 @@ impl EnvironmentMap {
     fn cell_coordinates(&self, direction: Vec3) -> Vec2 {
         let local = self.to_world.inverse_vector(direction).normalize_or(Vec3::Y);
         let u = local.x.atan2(-local.z) / TAU - 0.5 / self.width as f32;
-        let v = local.y.clamp(-1.0, 1.0).acos() / PI;
-        // Rounding may take the fractional part to one.
-        Vec2::new((u - u.floor()).min(1.0 - f32::EPSILON), v)
+        // Near the poles the arc cosine would lose the digits that tell directions apart.
+        let v = local.x.hypot(local.z).atan2(local.y) / PI;
+        // Rounding may take either to one, which is outside.
+        Vec2::new(u - u.floor(), v).min(Vec2::splat(1.0 - f32::EPSILON))
     }
 
     pub(super) fn sample_direction(&self, random: Vec2) -> Option<DirectionSample> {

@@ -15,7 +15,7 @@ pub const MANUAL: Manual = Manual {
         "",
         "The shapes: nested, or references; any names.",
     )],
-    sample: r#"<shape type="shapegroup"><shape type="sphere"/><shape type="cube"/></shape>"#,
+    sample: r#"<scene><shape type="shapegroup" id="pair"><shape type="sphere"/><shape type="cube"/></shape><shape type="instance"><ref id="pair"/></shape></scene>"#,
 };
 
 /// The shapes of a group and the tree over them.

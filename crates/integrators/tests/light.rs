@@ -1,0 +1,234 @@
+//! Closed forms: what whole renders of simple scenes must come to.
+
+use etendue_document::{Diagnostics, MemoryResources};
+use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
+use etendue_math::Ray;
+use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_render::{BuildOptions, Scene, build_scene};
+use etendue_sampling::{SamplerKind, SamplerSpec};
+use etendue_testkit::{Accumulator, welch};
+use glam::{UVec2, Vec3};
+
+/// The cube from (−1, −1, −1) to (1, 1, 1) by its corners alone.
+const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n\
+    f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+struct Setup {
+    scene: Scene,
+    integrator: Box<dyn Integrator>,
+}
+
+fn setup(text: &str, options: &IntegratorOptions) -> Setup {
+    let diagnostics = Diagnostics::new();
+    let resources = MemoryResources::default().with("cube.obj", CUBE);
+    let text = format!("<scene>{text}<sensor type=\"perspective\"/></scene>");
+    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics)
+        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let scene = build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
+        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let integrator = build_integrator(&document, options, &diagnostics)
+        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    Setup { scene, integrator }
+}
+
+impl Setup {
+    /// The luminance that arrives along a ray.
+    fn measure(&self, origin: Vec3, direction: Vec3, samples: u32) -> Accumulator {
+        let spec = SamplerSpec::new(SamplerKind::Independent, samples, 5);
+        let mut accumulator = Accumulator::default();
+        let mut layers = vec![0.0; self.integrator.layers().len()];
+        for index in 0..samples {
+            let mut stream = spec.start(UVec2::new(3, 4), index);
+            let ray = Ray::new(origin, direction.normalize());
+            let radiance = self.integrator.sample(&self.scene, &ray, &mut stream, &mut layers);
+            accumulator.add(f64::from(radiance.color.luminance()));
+        }
+        accumulator
+    }
+}
+
+fn without_emitter_sampling() -> IntegratorOptions {
+    IntegratorOptions { name: None, emitter_sampling: false }
+}
+
+fn path(max_depth: i32) -> String {
+    format!(
+        r#"<integrator type="path"><integer name="max_depth" value="{max_depth}"/></integrator>"#
+    )
+}
+
+/// Inside a closed shape that glows with radiance 1 and reflects ½, light of paths of at most n edges
+/// is 1 + ½ + … = 2 − 2¹⁻ⁿ.
+#[test]
+fn a_furnace_sums_the_geometric_series() {
+    for shape in ["sphere", "cube"] {
+        for depth in [1, 2, 3, 8] {
+            let text = format!(
+                r#"{}<shape type="{shape}"><boolean name="flip_normals" value="true"/><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf><emitter type="area"/></shape>"#,
+                path(depth)
+            );
+            let expected = 2.0 - 2.0_f64.powi(1 - depth);
+            for options in [IntegratorOptions::default(), without_emitter_sampling()] {
+                let setup = setup(&text, &options);
+                let found = setup.measure(Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, 0.3, 0.2), 4000);
+                let tolerance = 5.0 * found.standard_error() + 1e-4;
+                assert!(
+                    (found.mean() - expected).abs() < tolerance,
+                    "{shape} {depth}: {}",
+                    found.mean()
+                );
+            }
+        }
+    }
+}
+
+/// A wide floor below a point light of intensity I at height h: E = I / h², L = ρ E / π.
+#[test]
+fn a_point_light_above_a_floor_is_a_closed_form() {
+    for integrator in [path(2), r#"<integrator type="direct"/>"#.to_owned()] {
+        let text = format!(
+            r#"{integrator}<shape type="rectangle"><transform name="to_world"><scale value="100"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0.6"/></bsdf></shape>
+            <emitter type="point"><point name="position" x="0" y="0" z="3"/><rgb name="intensity" value="20"/></emitter>"#
+        );
+        let found = setup(&text, &IntegratorOptions::default()).measure(Vec3::Z, Vec3::NEG_Z, 64);
+        let expected = 0.6 * 20.0 / 9.0 / std::f64::consts::PI;
+        assert!((found.mean() / expected - 1.0).abs() < 1e-4, "{integrator}: {}", found.mean());
+    }
+}
+
+/// A floor under a disk of radius r at height h, seen right below: E = π L r² / (r² + h²).
+#[test]
+fn a_disk_light_above_a_floor_is_a_closed_form() {
+    for (integrator, options) in [
+        (path(2), IntegratorOptions::default()),
+        (path(2), without_emitter_sampling()),
+        (
+            r#"<integrator type="direct"><integer name="emitter_samples" value="3"/></integrator>"#
+                .to_owned(),
+            IntegratorOptions::default(),
+        ),
+        (
+            r#"<integrator type="direct"><integer name="bsdf_samples" value="0"/></integrator>"#
+                .to_owned(),
+            IntegratorOptions::default(),
+        ),
+    ] {
+        let text = format!(
+            r#"{integrator}<shape type="rectangle"><transform name="to_world"><scale value="100"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0.6"/></bsdf></shape>
+            <shape type="disk"><transform name="to_world"><scale value="1.5"/><rotate x="1" angle="180"/><translate z="2"/></transform><emitter type="area"><rgb name="radiance" value="7"/></emitter></shape>"#
+        );
+        let found = setup(&text, &options).measure(Vec3::Z, Vec3::NEG_Z, 20_000);
+        let expected = 0.6 * 7.0 * 2.25 / (2.25 + 4.0);
+        let tolerance = 5.0 * found.standard_error();
+        assert!(
+            (found.mean() - expected).abs() < tolerance,
+            "{integrator}: {} not {expected}",
+            found.mean()
+        );
+    }
+}
+
+/// Emitter sampling changes the noise, not the picture; roulette neither.
+#[test]
+fn ways_of_finding_light_agree_in_the_mean() {
+    let body = r#"<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="2"/></transform><bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.5"/></bsdf></shape>
+        <shape type="sphere"><float name="radius" value="0.5"/><bsdf type="roughconductor"><string name="material" value="Cu"/><float name="alpha" value="0.3"/></bsdf></shape>
+        <shape type="rectangle"><transform name="to_world"><scale value="0.7"/><rotate x="1" angle="180"/><translate z="1.9"/></transform><emitter type="area"/></shape>"#;
+    let roulette = |depth: i32| {
+        format!(
+            r#"<integrator type="path"><integer name="max_depth" value="12"/><integer name="rr_depth" value="{depth}"/></integrator>{body}"#
+        )
+    };
+    let measure = |text: &str, options: &IntegratorOptions| {
+        setup(text, options).measure(Vec3::new(1.5, 0.0, 0.2), Vec3::new(-1.0, 0.1, -0.3), 40_000)
+    };
+    let usual = measure(&roulette(5), &IntegratorOptions::default());
+    let by_chance = measure(&roulette(5), &without_emitter_sampling());
+    let early_roulette = measure(&roulette(1), &IntegratorOptions::default());
+    for (name, other) in [("by chance", by_chance), ("early roulette", early_roulette)] {
+        assert!(
+            welch(&usual, &other).accepts(1e-4),
+            "{name}: {} and {}",
+            usual.mean(),
+            other.mean()
+        );
+    }
+}
+
+/// What `hide_emitters` hides, and that light is not hidden with it.
+#[test]
+fn hidden_emitters_are_passed_through_by_camera_rays_alone() {
+    let text = |hide: bool| {
+        format!(
+            r#"<integrator type="path"><integer name="max_depth" value="2"/><boolean name="hide_emitters" value="{hide}"/></integrator>
+            <shape type="rectangle"><transform name="to_world"><scale value="10"/></transform></shape>
+            <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="180"/><translate z="1"/></transform><emitter type="area"/></shape>
+            <shape type="rectangle"><transform name="to_world"><translate z="2"/></transform><emitter type="area"><rgb name="radiance" value="9"/></emitter></shape>"#
+        )
+    };
+    let look = |hide| {
+        setup(&text(hide), &IntegratorOptions::default()).measure(Vec3::Z * 5.0, Vec3::NEG_Z, 4000)
+    };
+    assert!((look(false).mean() - 9.0).abs() < 1e-5);
+    // The floor under a light of radiance 1, less than the light itself.
+    let hidden = look(true).mean();
+    assert!(hidden > 0.05 && hidden < 0.5, "{hidden}");
+}
+
+/// A masked box so thin that it is one sheet lets the share through that one face would.
+#[test]
+fn the_two_faces_of_a_thin_masked_sheet_count_once() {
+    let text = |thickness: f32| {
+        format!(
+            r#"{}<shape type="cube"><transform name="to_world"><scale x="1" y="1" z="{thickness}"/></transform><bsdf type="mask"><float name="opacity" value="0.75"/><bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf></bsdf></shape><emitter type="constant"/>"#,
+            path(8)
+        )
+    };
+    let through = |thickness| {
+        setup(&text(thickness), &IntegratorOptions::default()).measure(
+            Vec3::Z * 5.0,
+            Vec3::NEG_Z,
+            20_000,
+        )
+    };
+    for (thickness, expected) in [(2e-5, 0.25), (0.1, 0.0625)] {
+        let found = through(thickness);
+        let tolerance = 5.0 * found.standard_error();
+        assert!((found.mean() - expected).abs() < tolerance, "{thickness}: {}", found.mean());
+    }
+}
+
+/// `moment` records the squares, `aov` what is seen, `depth` how far it is.
+#[test]
+fn layers_hold_what_they_are_named_for() {
+    let text = r#"<integrator type="moment"><integrator type="aov" name="all"><string name="aovs" value="depth, albedo:albedo, n:geo_normal"/><integrator type="depth" name="far"/></integrator><integrator type="depth" name="far"/></integrator><shape type="sphere"/>"#;
+    let Setup { scene, integrator } = setup(text, &IntegratorOptions::default());
+    let names = ["all.R", "all.G", "all.B", "far.R", "far.G", "far.B"];
+    assert_eq!(integrator.layers()[..6], names);
+    assert_eq!(integrator.layers()[6], "m2_all.R");
+    let spec = SamplerSpec::new(SamplerKind::Independent, 1, 0);
+    let mut layers = vec![0.0; 12];
+    let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
+    let seen = integrator.sample(&scene, &ray, &mut spec.start(UVec2::ZERO, 0), &mut layers);
+    assert!((seen.color.luminance() - 3.0).abs() < 1e-4 && seen.alpha == 1.0);
+    assert!(layers[..6].iter().all(|x| (x - 3.0).abs() < 1e-4), "{layers:?}");
+    assert!(layers[6..].iter().all(|x| (x - 9.0).abs() < 1e-3), "{layers:?}");
+}
+
+/// A cube without normals is smooth-shaded, so that much light arrives below its faces' horizons:
+/// `strict_normals` cuts it off.
+#[test]
+fn strict_normals_take_light_away_where_shading_disagrees_with_the_surface() {
+    let text = |strict: bool| {
+        format!(
+            r#"<integrator type="path"><integer name="max_depth" value="2"/><boolean name="strict_normals" value="{strict}"/></integrator>
+            <shape type="obj"><string name="filename" value="cube.obj"/></shape><emitter type="constant"/>"#
+        )
+    };
+    let look = |strict| {
+        let setup = setup(&text(strict), &IntegratorOptions::default());
+        setup.measure(Vec3::new(0.9, 0.9, 4.0), Vec3::NEG_Z, 20_000).mean()
+    };
+    let (strict, usual) = (look(true), look(false));
+    assert!(strict < 0.95 * usual, "{strict} and {usual}");
+}
