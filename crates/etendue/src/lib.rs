@@ -16,7 +16,7 @@
 //!         <emitter type="constant"/>
 //!         <shape type="sphere"><bsdf type="diffuse"/></shape>
 //!     </scene>"#;
-//! let options = RenderOptions { samples_per_pixel: Some(4), ..RenderOptions::default() };
+//! let options = RenderOptions { samples_per_pixel: Some(64), ..RenderOptions::default() };
 //! let rendering = render_text(scene, &SceneOptions::default(), &options)?;
 //!
 //! let red = rendering.picture.channel("R").unwrap();

@@ -178,6 +178,7 @@ fn an_old_scene_loads_with_its_quirks_reported_and_nothing_else() {
     assert_eq!(
         loaded.messages(),
         [
+            "`strictNormals` is dropped, as in version 3: `strict_normals` asks for it",
             "a `perspective` with `apertureRadius` is a `thinlens`",
             "references to `Cushion` get the `bumpmap` around it, which has no id of its own",
             "the texture filter `trilinear` is rendered as `bilinear`, without levels",
