@@ -79,6 +79,7 @@ fn read(xml: &str) -> (Option<TestMaterial>, Vec<Diagnostic>) {
     let mut builder = Builder::new(&assets, &options);
     let node = document.parameters(document.root, &diagnostics).children_of(Class::Bsdf)[0].node;
     let root = builder.material(node);
+    assets.report_not_found();
     let (materials, textures) = (builder.materials, builder.textures);
     (root.map(|root| TestMaterial { materials, textures, root }), diagnostics.sorted())
 }

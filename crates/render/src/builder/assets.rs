@@ -190,8 +190,8 @@ impl<'a> Assets<'a> {
     }
 
     /// Reports the files that were not found, in the order of the page, those that come first with
-    /// the names of files that resemble them.
-    pub(super) fn report_not_found(&self) {
+    /// the names of files that resemble them. To be called when everything has been built.
+    pub fn report_not_found(&self) {
         let mut list =
             std::mem::take(&mut *self.not_found.lock().unwrap_or_else(PoisonError::into_inner));
         list.sort_by_key(|(span, _)| *span);

@@ -79,6 +79,7 @@ impl TestNode {
         let parameters = self.document.parameters(self.document.root, &self.diagnostics);
         let built = build(&mut builder, &parameters);
         parameters.finish();
+        assets.report_not_found();
         built
     }
 
