@@ -49,7 +49,7 @@ impl Rendering {
         picture.display_window = Window { x: 0, y: 0, width, height };
         picture.metadata = metadata(&statistics, setup, identity);
         let encoding = EncodeOptions {
-            exr_precision: precision(setup.film.component_format, HasLayers(has_layers)),
+            exr_precision: precision(setup.film.component_format, &picture, HasLayers(has_layers)),
             tone_map: setup.film.display.tone_map,
             exposure: setup.film.display.exposure,
             ..EncodeOptions::default()
@@ -76,10 +76,16 @@ impl Rendering {
 /// Whether there are channels beside the colour.
 struct HasLayers(bool);
 
+/// The greatest number of 16 bits: (2 − 2⁻¹⁰) · 2¹⁵.
+const GREATEST_HALF: f32 = 65504.0;
+
 /// Layers hold positions, distances, identifiers and variances, for which 16 bits are too coarse:
-/// with them the whole file has 32.
-fn precision(asked: ExrPrecision, has_layers: HasLayers) -> ExrPrecision {
-    if has_layers.0 { ExrPrecision::Float } else { asked }
+/// with them the whole file has 32. So it has with light beyond what 16 bits hold, such as the sun
+/// seen in a mirror, which would be cut off without a word.
+fn precision(asked: ExrPrecision, picture: &Picture, has_layers: HasLayers) -> ExrPrecision {
+    let mut values = picture.channels.iter().flat_map(|channel| &channel.data);
+    let is_beyond = values.any(|value| value.abs() > GREATEST_HALF);
+    if has_layers.0 || is_beyond { ExrPrecision::Float } else { asked }
 }
 
 /// The picture in luminance: one channel instead of three.

@@ -84,3 +84,16 @@ fn the_command_that_is_told_takes_the_sample_again() {
         assert!(replay.stdout.contains(radiance), "{}", replay.stdout);
     }
 }
+
+#[test]
+fn light_beyond_half_precision_is_not_cut_off() {
+    let workplace = Workplace::new();
+    let scene = Parts::default().scene();
+    let bright =
+        r#"<emitter type="constant"><rgb name="radiance" value="1e6, 1e6, 1e6"/></emitter>"#;
+    let scene = scene.replace(r#"<emitter type="constant"/>"#, bright);
+    fs::write(workplace.path("scene.xml"), scene).unwrap();
+    workplace.succeed(&["render", "scene.xml", "-o", "a.exr"]);
+    let picture = decode_picture(&workplace.read("a.exr"), "a.exr").unwrap();
+    assert!(picture.channels.iter().all(|channel| channel.data.iter().all(|&value| value == 1e6)));
+}
