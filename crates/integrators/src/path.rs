@@ -221,13 +221,7 @@ impl Path {
         // depend on what it met before.
         stream.set_dimension(first_dimension.wrapping_add(2));
         let direction = stream.next_2d();
-        let roulette_next = path.depth + 1 >= self.rr_depth;
-        let Vec2 { x: lobe, y: roulette } = if roulette_next || bsdf.chooses_lobe() {
-            stream.next_2d()
-        } else {
-            stream.set_dimension(stream.dimension().wrapping_add(2));
-            Vec2::ZERO
-        };
+        let Vec2 { x: lobe, y: roulette } = stream.next_independent_2d();
         self.scatter(path, surface, &bsdf, (lobe, direction)) && self.survives(path, roulette)
     }
 

@@ -10,7 +10,8 @@ use etendue_testkit::{Accumulator, welch};
 use glam::{UVec2, Vec3};
 
 /// A square in the plane z = 0 whose normals lean far over.
-const LEANING: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0.8 0 0.6\nf 1//1 2//1 3//1 4//1\n";
+const LEANING: &str =
+    "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0.8 0 0.6\nf 1//1 2//1 3//1 4//1\n";
 
 struct Setup {
     scene: Scene,

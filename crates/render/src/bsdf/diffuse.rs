@@ -95,11 +95,6 @@ impl Closure for DiffuseClosure {
         true
     }
 
-    #[inline]
-    fn chooses_lobe(&self) -> bool {
-        false
-    }
-
     fn albedo(&self, wi: Vec3) -> Spectrum {
         if wi.z > 0.0 { self.reflectance } else { Spectrum::ZERO }
     }

@@ -110,12 +110,6 @@ pub trait Closure {
     /// Whether any lobe is smooth, so that next-event estimation can find light.
     fn has_smooth_lobe(&self) -> bool;
 
-    /// Whether [`Self::sample`] uses its number for choosing a lobe: with one lobe it need not be
-    /// drawn.
-    fn chooses_lobe(&self) -> bool {
-        true
-    }
-
     /// The share of light that is scattered in all, roughly: for the albedo layer and for choosing lobes.
     fn albedo(&self, wi: Vec3) -> Spectrum;
 }

@@ -60,11 +60,6 @@ impl Closure for NullClosure {
         false
     }
 
-    #[inline]
-    fn chooses_lobe(&self) -> bool {
-        false
-    }
-
     fn albedo(&self, _wi: Vec3) -> Spectrum {
         Spectrum::ONE
     }

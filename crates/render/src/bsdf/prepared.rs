@@ -54,11 +54,6 @@ macro_rules! materials {
                 match self { $(Self::$name(closure) => closure.has_smooth_lobe(),)* }
             }
 
-            #[inline]
-            fn chooses_lobe(&self) -> bool {
-                match self { $(Self::$name(closure) => closure.chooses_lobe(),)* }
-            }
-
             fn albedo(&self, wi: Vec3) -> Spectrum {
                 match self { $(Self::$name(closure) => closure.albedo(wi),)* }
             }
@@ -363,14 +358,6 @@ impl<'a> Bsdf<'a> {
     #[must_use]
     pub fn has_smooth_lobe(&self) -> bool {
         self.leaves().any(|leaf| leaf.closure.has_smooth_lobe())
-    }
-
-    /// Whether [`Self::sample`] uses its number for choosing a lobe.
-    #[inline]
-    #[must_use]
-    pub fn chooses_lobe(&self) -> bool {
-        !self.others.is_empty()
-            || self.first.as_ref().is_some_and(|leaf| leaf.closure.chooses_lobe())
     }
 
     /// f(wi, wo)·|cos θo| and the density of `wo` in solid angle.

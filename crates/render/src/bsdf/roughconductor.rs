@@ -154,11 +154,6 @@ impl Closure for RoughConductorClosure {
         true
     }
 
-    #[inline]
-    fn chooses_lobe(&self) -> bool {
-        false
-    }
-
     fn albedo(&self, wi: Vec3) -> Spectrum {
         if wi.z <= 0.0 {
             return Spectrum::ZERO;

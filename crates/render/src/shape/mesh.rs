@@ -8,6 +8,10 @@ use etendue_sampling::{AliasSample, AliasTable, warp};
 use glam::{Vec2, Vec3};
 
 /// A mesh placed in the world, with what sampling points on it needs.
+///
+/// Tried and lost: position, normal and coordinates of a vertex side by side in 32 bytes. Neighbouring
+/// hits share lines of the separate arrays more often than one hit needs all three of them: renders
+/// were 3 to 10 % slower.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     positions: Vec<Vec3>,

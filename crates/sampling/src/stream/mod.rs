@@ -140,10 +140,10 @@ pub struct SampleStream {
     sample_seed: u64,
 }
 
-/// Dimensions from here on are independent in every kind: film, lens and four vertices of six
+/// Dimensions from here on are independent in every kind: film, lens and two vertices of six
 /// numbers each come before. What a path does later is no smooth function of the numbers any more,
 /// so that spreading them gains nothing, and a spread pair costs four times as much to draw.
-const SPREAD_DIMENSIONS: u32 = 28;
+const SPREAD_DIMENSIONS: u32 = 16;
 
 impl SampleStream {
     /// The next number, uniform in [0, 1). Takes one dimension.
@@ -170,10 +170,7 @@ impl SampleStream {
     #[must_use]
     pub fn next_2d(&mut self) -> Vec2 {
         let value = match self.kind {
-            _ if self.is_independent() => {
-                let bits = self.jitter();
-                Vec2::new(unit_float((bits >> 32) as u32), unit_float(bits as u32))
-            }
+            _ if self.is_independent() => return self.next_independent_2d(),
             SamplerKind::Independent | SamplerKind::Sobol => sobol::next_2d(self),
             SamplerKind::LowDiscrepancy => low_discrepancy::next_2d(self),
             SamplerKind::Stratified => stratified::next_2d(self),
@@ -184,6 +181,16 @@ impl SampleStream {
         };
         self.dimension = self.dimension.wrapping_add(2);
         value
+    }
+
+    /// The next point, without regard to the other samples: for decisions that gain nothing from
+    /// being spread, at a quarter of the cost. Takes two dimensions.
+    #[inline]
+    #[must_use]
+    pub fn next_independent_2d(&mut self) -> Vec2 {
+        let bits = self.jitter();
+        self.dimension = self.dimension.wrapping_add(2);
+        Vec2::new(unit_float((bits >> 32) as u32), unit_float(bits as u32))
     }
 
     /// The dimension that the next number is taken from.
