@@ -195,7 +195,7 @@ fn pairs_in_base_two_are_nets() {
     // Every elementary interval of 64 equal ones holds one of 64 points: 64 × 1, 32 × 2, … 1 × 64.
     for kind in [SamplerKind::Sobol, SamplerKind::LowDiscrepancy, SamplerKind::Hammersley] {
         let spec = SamplerSpec::new(kind, 64, 2);
-        for dimension in [0, 2, 33, 1000] {
+        for dimension in [0, 2, 9, 14] {
             let all = points(&spec, pixel(8), dimension, 256);
             for block in all.chunks(64) {
                 for power in 0..=6 {
