@@ -13,11 +13,11 @@ pub(super) struct Size {
 pub(super) fn color(size: Size, paint: impl Fn(f64, f64) -> [f64; 3]) -> Vec<u8> {
     let values = sample(size, paint);
     // Rounded here: a difference in the last digit of some machine's mathematics changes no byte.
-    let linear = |value: f64| srgb::srgb_u8_to_linear((value.clamp(0.0, 1.0) * 255.0).round() as u8);
+    let linear =
+        |value: f64| srgb::srgb_u8_to_linear((value.clamp(0.0, 1.0) * 255.0).round() as u8);
     let channels = ["R", "G", "B"].into_iter().enumerate();
-    let planes = channels.map(|(channel, name)| {
-        (name, values.iter().map(|value| linear(value[channel])).collect())
-    });
+    let planes = channels
+        .map(|(channel, name)| (name, values.iter().map(|value| linear(value[channel])).collect()));
     png(size, planes, BitDepth::Eight)
 }
 

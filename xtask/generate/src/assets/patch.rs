@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DVec3, Vec3};
 use etendue::mesh::{TriangleMesh, write_ply};
+use glam::{DVec3, Vec3};
 
 /// A grid of quadrilaterals over a patch of surface.
 #[derive(Clone, Copy)]

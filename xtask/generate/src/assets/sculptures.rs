@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use glam::DVec3;
 use etendue::mesh::TriangleMesh;
+use glam::DVec3;
 
 use super::patch::{self, Grid};
 

@@ -50,12 +50,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
 /// The pictures of these names or of scenes of these names.
 fn choose(names: &[String]) -> Result<Vec<(&'static Section, &'static Entry)>, String> {
     let all = || {
-        SECTIONS.iter().flat_map(|section| section.pictures.iter().map(move |entry| (section, entry)))
+        SECTIONS
+            .iter()
+            .flat_map(|section| section.pictures.iter().map(move |entry| (section, entry)))
     };
     let is_called = |(section, entry): (&Section, &Entry), name: &str| {
         section.scene == name || entry.name == name
     };
-    if let Some(unknown) = names.iter().find(|name| !all().any(|picture| is_called(picture, name))) {
+    if let Some(unknown) = names.iter().find(|name| !all().any(|picture| is_called(picture, name)))
+    {
         return Err(format!("there is no picture or scene `{unknown}`"));
     }
     let is_chosen = |picture| names.is_empty() || names.iter().any(|name| is_called(picture, name));
@@ -84,7 +87,8 @@ fn render(
     let loaded = workers.run(|| load(&path, root(), &Files::default(), &scene_options));
     let content = loaded.content.ok_or_else(|| loaded.findings.to_string())?;
     let shot = Shot::new(&content, &options).map_err(|error| error.to_string())?;
-    let rendering = shot.render(workers, &Silent, &Cancel::new()).map_err(|error| error.to_string())?;
+    let rendering =
+        shot.render(workers, &Silent, &Cancel::new()).map_err(|error| error.to_string())?;
     if rendering.statistics.defects.total() > 0 {
         return Err("some samples are not finite".to_owned());
     }
