@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::workspace::{cargo, has_subcommand};
-use crate::{deps, generate, links};
+use crate::{deps, generate, links, seeds};
 
 /// How a step ended.
 enum Outcome {
@@ -29,6 +29,7 @@ const STEPS: &[Step] = &[
     Step { name: "tests", run: tests },
     Step { name: "generated files", run: generated_files },
     Step { name: "documentation", run: documentation },
+    Step { name: "seed scenes", run: seed_scenes },
     Step { name: "unused dependencies", run: unused_dependencies },
     Step { name: "licences", run: licences },
 ];
@@ -83,6 +84,14 @@ fn documentation() -> Outcome {
     let mut command = cargo();
     command.args(["doc", "--workspace", "--no-deps", "--quiet"]);
     succeeds(command.env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// The pictures are right, as far as the references are at hand.
+fn seed_scenes() -> Outcome {
+    match seeds::folder() {
+        Some(_) => passed(seeds::run(&[])),
+        None => Outcome::Skipped("../shared/seed-scenes is not there"),
+    }
 }
 
 fn unused_dependencies() -> Outcome {

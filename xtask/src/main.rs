@@ -11,6 +11,7 @@ mod ci;
 mod deps;
 mod generate;
 mod links;
+mod seeds;
 mod workspace;
 
 use std::process::ExitCode;
@@ -31,6 +32,7 @@ const TASKS: &[Task] = &[
     Task { name: "docs", about: "reference pages from what the code says", run: generate::docs },
     Task { name: "gallery", about: "the pictures under gallery/", run: generate::gallery },
     Task { name: "links", about: "relative links in Markdown files", run: links::run },
+    Task { name: "seeds", about: "the seed scenes beside their references", run: seeds::run },
     Task { name: "bench", about: "speed, beside a peer", run: bench::run },
 ];
 
