@@ -34,7 +34,6 @@ const fn asset(path: &'static str, make: fn() -> Vec<u8>) -> Asset {
 
 /// Every file.
 const ASSETS: &[Asset] = &[
-    asset("scenes/depth-of-field/backdrop.ply", sculptures::backdrop),
     asset("scenes/plastics/backdrop.ply", sculptures::backdrop),
     asset("scenes/plastics/knot.ply", sculptures::knot),
     asset("scenes/rough-metals/backdrop.ply", sculptures::backdrop),
