@@ -16,7 +16,6 @@ use crate::scene::{Parts, Scene, SensorSetup};
 use crate::texture::Texture;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
 use etendue_math::Transform;
-use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
 /// What the user of the library decides about a scene, over what its file says.
@@ -70,12 +69,6 @@ pub(crate) fn read_transform(parameters: &Parameters<'_>, name: &str) -> Option<
         parameters.error(Fault::BadValue, name, "the transform has no inverse, or is not finite");
     }
     transform
-}
-
-/// Rounds to single precision.
-#[must_use]
-pub(crate) fn to_vec3(v: DVec3) -> Vec3 {
-    v.as_vec3()
 }
 
 /// Builds plugins from document nodes. Nodes that several others refer to are built once.
@@ -259,7 +252,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Builds what stands at the top of the scene only to be referred to, so that mistakes in it are
-    /// found even where nothing uses it; then says which kinds of nodes are not read.
+    /// found even where nothing uses it.
     fn unused_nodes(&mut self, root: &Parameters<'_>) {
         for child in root.children_of(Class::Bsdf) {
             let _ = self.material(child.node);

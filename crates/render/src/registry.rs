@@ -6,13 +6,12 @@ use crate::builder::{Assets, Builder};
 use crate::emitter::{self, Emitter};
 use crate::film::{self, FilmSpec};
 use crate::manual::Manual;
-use crate::rfilter::{self, ReconstructionFilter};
+use crate::rfilter;
 use crate::sampler;
 use crate::sensor::{self, Sensor};
 use crate::shape::{self, Geometry};
 use crate::texture::{self, Texture};
 use etendue_document::{Class, Fault, Parameters, list_names, near_names};
-use etendue_sampling::SamplerSpec;
 
 /// One plugin of a family whose members are built by functions of type `F`.
 #[derive(Clone, Copy, Debug)]
@@ -42,10 +41,6 @@ pub type BuildEmitter = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Emitter>
 pub type BuildSensor = fn(&mut Builder<'_>, &Parameters<'_>, &FilmSpec) -> Option<Sensor>;
 /// Builds a film.
 pub type BuildFilm = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<FilmSpec>;
-/// Builds a reconstruction filter.
-pub type BuildFilter = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<ReconstructionFilter>;
-/// Builds a sampler.
-pub type BuildSampler = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<SamplerSpec>;
 
 /// The materials.
 pub static BSDFS: &[Plugin<BuildMaterial>] = &[

@@ -1,7 +1,7 @@
 //! `directional`: parallel light from afar.
 
 use super::{DirectionSample, Target};
-use crate::builder::{Builder, read_transform, to_vec3};
+use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
 use etendue_spectrum::{Spectrum, SpectrumUse};
@@ -41,7 +41,7 @@ pub struct Directional {
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Directional> {
     let irradiance = builder.constant_color(parameters, "irradiance", 1.0, SpectrumUse::Emission);
     let axis = read_transform(parameters, "to_world")?.vector(Vec3::Z);
-    let travels = parameters.optional_vector("direction").map_or(axis, |v: DVec3| to_vec3(v));
+    let travels = parameters.optional_vector("direction").map_or(axis, |v: DVec3| v.as_vec3());
     let Some(direction) = travels.try_normalize() else {
         parameters.error(Fault::BadValue, "direction", "the direction has no length");
         return None;

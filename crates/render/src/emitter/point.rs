@@ -1,7 +1,7 @@
 //! `point`: a point that shines in all directions.
 
 use super::{DirectionSample, Target};
-use crate::builder::{Builder, read_transform, to_vec3};
+use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
 use etendue_spectrum::{Spectrum, SpectrumUse};
@@ -31,7 +31,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
     let intensity = builder.constant_color(parameters, "intensity", 1.0, SpectrumUse::Emission);
     let origin = read_transform(parameters, "to_world")?.point(Vec3::ZERO);
     let position = match parameters.has("position") {
-        true => to_vec3(parameters.point("position", DVec3::ZERO)),
+        true => parameters.point("position", DVec3::ZERO).as_vec3(),
         false => origin,
     };
     Some(Point { position, intensity })
