@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::workspace::{cargo, has_subcommand};
-use crate::{deps, generate, links, seeds};
+use crate::{deps, generate, links, seeds, suite};
 
 /// How a step ended.
 enum Outcome {
@@ -30,6 +30,7 @@ const STEPS: &[Step] = &[
     Step { name: "generated files", run: generated_files },
     Step { name: "documentation", run: documentation },
     Step { name: "seed scenes", run: seed_scenes },
+    Step { name: "render tests", run: render_tests },
     Step { name: "unused dependencies", run: unused_dependencies },
     Step { name: "licences", run: licences },
 ];
@@ -91,6 +92,14 @@ fn seed_scenes() -> Outcome {
     match seeds::folder() {
         Some(_) => passed(seeds::run(&[])),
         None => Outcome::Skipped("../shared/seed-scenes is not there"),
+    }
+}
+
+/// Mitsuba's own render tests, where they are at hand.
+fn render_tests() -> Outcome {
+    match suite::folder() {
+        Some(_) => passed(suite::run(&[])),
+        None => Outcome::Skipped("../shared/mitsuba-suite is not there"),
     }
 }
 

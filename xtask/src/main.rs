@@ -9,9 +9,12 @@
 mod bench;
 mod ci;
 mod deps;
+mod etendue;
 mod generate;
 mod links;
+mod portable_float_map;
 mod seeds;
+mod suite;
 mod workspace;
 
 use std::process::ExitCode;
@@ -33,6 +36,7 @@ const TASKS: &[Task] = &[
     Task { name: "gallery", about: "the pictures under gallery/", run: generate::gallery },
     Task { name: "links", about: "relative links in Markdown files", run: links::run },
     Task { name: "seeds", about: "the seed scenes beside their references", run: seeds::run },
+    Task { name: "suite", about: "Mitsuba's own render tests: [DIR] [NAME...]", run: suite::run },
     Task { name: "bench", about: "speed, beside a peer", run: bench::run },
 ];
 
