@@ -67,6 +67,12 @@ pub static BSDFS: &[Plugin<BuildMaterial>] = &[
     plugin("plastic", &bsdf::plastic::MANUAL, |b, p| {
         bsdf::plastic::build(b, p).map(Material::Plastic)
     }),
+    plugin("principled", &bsdf::principled::MANUAL, |b, p| {
+        bsdf::principled::build(b, p).map(Material::Principled)
+    }),
+    plugin("principledthin", &bsdf::principledthin::MANUAL, |b, p| {
+        bsdf::principledthin::build(b, p).map(Material::PrincipledThin)
+    }),
     plugin("roughconductor", &bsdf::roughconductor::MANUAL, |b, p| {
         bsdf::roughconductor::build(b, p).map(Material::RoughConductor)
     }),

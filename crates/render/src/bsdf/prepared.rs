@@ -2,8 +2,8 @@
 
 use super::{
     BsdfSample, Closure, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric, diffuse, mask,
-    normalmap, null, plastic, roughconductor, roughdielectric, roughdiffuse, roughplastic,
-    thindielectric, twosided,
+    normalmap, null, plastic, principled, principledthin, roughconductor, roughdielectric,
+    roughdiffuse, roughplastic, thindielectric, twosided,
 };
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
@@ -110,6 +110,10 @@ materials! {
         Plastic: plastic::Plastic => plastic::PlasticClosure,
         /// A rough coating over a diffuse base.
         RoughPlastic: roughplastic::RoughPlastic => roughplastic::RoughPlasticClosure<'a>,
+        /// Disney's material.
+        Principled: principled::Principled => principled::PrincipledClosure,
+        /// Disney's material for sheets.
+        PrincipledThin: principledthin::PrincipledThin => principledthin::PrincipledThinClosure,
         /// No surface at all.
         Null: null::Null => null::NullClosure,
     }

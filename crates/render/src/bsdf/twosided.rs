@@ -55,8 +55,10 @@ fn transmits(materials: &[Material], id: MaterialId) -> bool {
         Material::Dielectric(_)
         | Material::RoughDielectric(_)
         | Material::ThinDielectric(_)
+        | Material::PrincipledThin(_)
         | Material::Null(_)
         | Material::Mask(_) => true,
+        Material::Principled(material) => material.transmits(),
         Material::BumpMap(map) => transmits(materials, map.nested),
         Material::NormalMap(map) => transmits(materials, map.nested),
         Material::Blend(blend) => blend.nested.iter().any(|&id| transmits(materials, id)),

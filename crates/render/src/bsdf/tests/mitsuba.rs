@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 /// Materials, one to a line, each followed by `eval` lines (wi, wo, value with cosine, density)
 /// or `sample` lines (wi, the number that chooses the lobe, wo, weight, density, eta). Printed from
 /// `BSDF.eval_pdf` and `BSDF.sample` at a hit as [`testing::surface`](crate::bsdf::testing::surface)
-/// gives it.
+/// gives it. Left out are densities from behind an opaque material, where Mitsuba has some.
 const VALUES: &str = include_str!("mitsuba_values.txt");
 
 /// The values are printed with seven digits, and computed with as many.

@@ -26,7 +26,7 @@ const fn lossless(xml: &'static str) -> Configuration {
     Configuration { xml, reciprocal: true, lossless: true }
 }
 
-/// Shadowed bumps are not reciprocal.
+/// Shadowed bumps are not reciprocal, nor is what `principledthin` hides.
 const fn one_way(xml: &'static str) -> Configuration {
     Configuration { xml, reciprocal: false, lossless: false }
 }
@@ -61,6 +61,13 @@ const CONFIGURATIONS: &[Configuration] = &[
     lossless(r#"<bsdf type="plastic"><float name="diffuse_reflectance" value="1"/></bsdf>"#),
     plain(r#"<bsdf type="roughplastic"><float name="alpha" value="0.1"/><boolean name="nonlinear" value="true"/></bsdf>"#),
     plain(r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.4"/></bsdf>"#),
+    plain(r#"<bsdf type="principled"/>"#),
+    plain(r#"<bsdf type="principled"><float name="metallic" value="0.8"/><float name="roughness" value="0.3"/><float name="anisotropic" value="0.7"/><float name="spec_tint" value="0.5"/></bsdf>"#),
+    plain(r#"<bsdf type="principled"><float name="clearcoat" value="1"/><float name="roughness" value="0.8"/><float name="flatness" value="0.7"/><float name="sheen" value="0.5"/><float name="sheen_tint" value="0.5"/></bsdf>"#),
+    plain(r#"<bsdf type="principled"><float name="spec_trans" value="0.8"/><float name="roughness" value="0.6"/><float name="clearcoat" value="0.5"/><float name="eta" value="1.4"/></bsdf>"#),
+    plain(r#"<bsdf type="principled"><float name="spec_trans" value="1"/><float name="base_color" value="1"/><float name="eta" value="0.8"/></bsdf>"#),
+    plain(r#"<bsdf type="principledthin"><float name="diff_trans" value="0.7"/><float name="sheen" value="0.3"/></bsdf>"#),
+    one_way(r#"<bsdf type="principledthin"><float name="spec_trans" value="0.7"/><float name="diff_trans" value="0.7"/><float name="roughness" value="0.7"/><float name="anisotropic" value="0.5"/></bsdf>"#),
     plain(r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="ggx"/></bsdf><bsdf type="diffuse"/></bsdf>"#),
     plain(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="roughplastic"/></bsdf>"#),
     lossless(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="twosided"><bsdf type="conductor"/></bsdf></bsdf>"#),
