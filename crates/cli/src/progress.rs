@@ -98,6 +98,7 @@ mod tests {
     fn a_description_has_rate_and_time_left() {
         let progress = Progress {
             samples_done: 2_000_000,
+            samples_before: 0,
             samples_total: Some(8_000_000),
             elapsed: Duration::from_secs(4),
             time_limit: None,

@@ -4,8 +4,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::render::Job;
-use crate::{Cancel, Observer, Progress};
+use crate::render::Budget;
+use crate::{Cancel, FilmSums, Observer, Progress};
 
 /// Between two reports of progress.
 const REPORT_INTERVAL: Duration = Duration::from_millis(100);
@@ -17,6 +17,7 @@ pub(crate) struct Clock<'a> {
     started: Instant,
     time_limit: Option<Duration>,
     samples_total: Option<u64>,
+    samples_before: u64,
     samples_done: AtomicU64,
     /// Nanoseconds after the start at which the next report is due.
     next_report: AtomicU64,
@@ -25,15 +26,22 @@ pub(crate) struct Clock<'a> {
 }
 
 impl<'a> Clock<'a> {
-    pub(crate) fn start(job: &Job, observer: &'a dyn Observer, cancel: &'a Cancel) -> Self {
-        let per_pixel = job.budget.samples_per_pixel.map(u64::from);
+    pub(crate) fn start(
+        (film, budget): (&FilmSums, Budget),
+        observer: &'a dyn Observer,
+        cancel: &'a Cancel,
+    ) -> Self {
+        let per_pixel =
+            budget.samples_per_pixel.map(|end| u64::from(end.saturating_sub(film.first_sample())));
+        let samples_before = film.sample_count();
         Self {
             observer,
             cancel,
             started: Instant::now(),
-            time_limit: job.budget.time,
-            samples_total: per_pixel.map(|count| count.saturating_mul(job.region.pixel_count())),
-            samples_done: AtomicU64::new(0),
+            time_limit: budget.time,
+            samples_total: per_pixel.map(|count| count.saturating_mul(film.region().pixel_count())),
+            samples_before,
+            samples_done: AtomicU64::new(samples_before),
             next_report: AtomicU64::new(nanoseconds(REPORT_INTERVAL)),
             telling: Mutex::new(()),
         }
@@ -65,6 +73,7 @@ impl<'a> Clock<'a> {
     pub(crate) fn progress(&self) -> Progress {
         Progress {
             samples_done: self.samples_done.load(Ordering::Relaxed),
+            samples_before: self.samples_before,
             samples_total: self.samples_total,
             elapsed: self.started.elapsed(),
             time_limit: self.time_limit,

@@ -1,22 +1,30 @@
 //! The sums of all pixels, and the picture they make.
 
-use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use etendue_image::Picture;
 use rayon::prelude::*;
 
-use crate::EngineError;
+use crate::exact_sums::ExactSums;
 use crate::region::Region;
 use crate::source::SampleSource;
 use crate::statistics::Defects;
-use crate::tile::{COLOR_CHANNELS, PixelSums, Tile};
+use crate::tile::{COLOR_CHANNELS, SQUARED_CHANNELS, Tile, TileKind};
+use crate::{EngineError, Job};
 
-/// What every sample so far adds up to, per pixel and channel, in double precision.
+/// What every sample so far adds up to, per pixel and channel, in sums that do not depend on any
+/// order (`exact_sums`).
+///
+/// Each tile has a lock, which a thread holds while it renders the tile. So a picture can be
+/// developed, or a checkpoint written, from another thread at any time: every tile is seen between
+/// two of its turns.
 #[derive(Debug)]
 pub struct FilmSums {
     region: Region,
     layer_names: Vec<String>,
-    tiles: Vec<Tile>,
+    kind: TileKind,
+    tile_side: u32,
+    tiles: Vec<Mutex<Tile>>,
 }
 
 /// Which channels a picture gets.
@@ -24,7 +32,8 @@ pub struct FilmSums {
 pub struct Channels {
     /// Whether alpha follows red, green and blue.
     pub alpha: bool,
-    /// Whether the variance of each pixel's mean follows as the layers `variance.R`, `.G`, `.B`.
+    /// Whether the variance of each pixel's mean follows as the layers `variance.R`, `.G`, `.B`. It
+    /// is zero unless the [`Job`] said that it would be wanted.
     pub variance: bool,
 }
 
@@ -37,32 +46,40 @@ impl FilmSums {
     /// # Errors
     ///
     /// [`EngineError::BadRegion`] if there are no pixels; [`EngineError::FilmTooLarge`] if the
-    /// sums and the finished picture would take more than `memory_limit` bytes.
-    pub(crate) fn new(
-        region: Region,
+    /// sums and the finished picture would take more than the job allows.
+    pub fn new(
+        job: &Job,
         layer_names: &[String],
         thread_count: usize,
-        memory_limit: u64,
     ) -> Result<Self, EngineError> {
+        let region = job.region;
         if region.pixel_count() == 0 {
             return Err(EngineError::BadRegion);
         }
-        let bytes = Self::memory_needed(region, layer_names.len());
-        if bytes > memory_limit {
+        let bytes = Self::memory_needed(job, layer_names.len());
+        if bytes > job.memory_limit {
             let Region { width, height, .. } = region;
-            return Err(EngineError::FilmTooLarge { width, height, bytes, limit: memory_limit });
+            let limit = job.memory_limit;
+            return Err(EngineError::FilmTooLarge { width, height, bytes, limit });
         }
-        let tiles = region.tiles(thread_count);
-        let tiles = tiles.into_iter().map(|tile| Tile::new(tile, layer_names.len())).collect();
-        Ok(Self { region, layer_names: layer_names.to_vec(), tiles })
+        let kind = TileKind {
+            layer_count: layer_names.len(),
+            variance: job.variance,
+            first_sample: job.first_sample,
+        };
+        let tile_side = region.tile_side(thread_count);
+        let tiles = region.tiles(tile_side);
+        let tiles = tiles.into_iter().map(|tile| Mutex::new(Tile::new(tile, kind))).collect();
+        Ok(Self { region, layer_names: layer_names.to_vec(), kind, tile_side, tiles })
     }
 
-    /// The bytes that the sums of a region and its finished picture take together.
-    pub fn memory_needed(region: Region, layer_count: usize) -> u64 {
+    /// The bytes that the sums of a job and its finished picture take together.
+    pub fn memory_needed(job: &Job, layer_count: usize) -> u64 {
         let channel_count = (COLOR_CHANNELS + layer_count) as u64;
-        let sums = 8 * channel_count + 3 * 8 + 4;
-        let picture = 4 * (channel_count + VARIANCE_NAMES.len() as u64);
-        region.pixel_count().saturating_mul(sums + picture)
+        let squared_count = if job.variance { SQUARED_CHANNELS as u64 } else { 0 };
+        let sums = ExactSums::BYTES * (channel_count + squared_count) + 4;
+        let picture = 4 * (channel_count + squared_count);
+        job.region.pixel_count().saturating_mul(sums + picture)
     }
 
     /// Where the pixels lie in the film.
@@ -70,36 +87,57 @@ impl FilmSums {
         self.region
     }
 
-    /// Adds samples to every pixel, tile by tile on the threads of the current pool.
+    /// Gives every pixel its samples up to index `end`, tile by tile on the threads of the current
+    /// pool.
     ///
     /// `go_on` is asked before every tile, and `done` told after it how many samples it took.
     pub(crate) fn add_samples<S: SampleSource>(
-        &mut self,
+        &self,
         source: &S,
-        indices: Range<u32>,
+        end: u32,
         go_on: &(impl Fn() -> bool + Sync),
         done: &(impl Fn(u64) + Sync),
     ) {
         // Single tiles are what threads take from each other: rayon's own grain would hand out
         // long runs of tiles, whose cost may differ by a factor of ten.
-        self.tiles.par_iter_mut().with_max_len(1).for_each(|tile| {
+        self.tiles.par_iter().with_max_len(1).for_each(|tile| {
             if go_on() {
-                done(tile.render(source, indices.clone()));
+                done(lock(tile).render(source, end));
             }
         });
     }
 
     /// The least and the greatest number of samples that any pixel was given.
     pub fn samples_per_pixel(&self) -> [u32; 2] {
-        let counts = || self.tiles.iter().map(Tile::samples_per_pixel);
-        [counts().min().unwrap_or(0), counts().max().unwrap_or(0)]
+        self.next_samples().map(|next| next - self.kind.first_sample)
+    }
+
+    /// The index of every pixel's first sample.
+    pub fn first_sample(&self) -> u32 {
+        self.kind.first_sample
+    }
+
+    /// The least and the greatest index that any pixel's next sample has.
+    pub(crate) fn next_samples(&self) -> [u32; 2] {
+        let all = self.tiles().map(|tile| tile.next_sample);
+        let first = self.kind.first_sample;
+        all.map(|next| [next, next])
+            .reduce(|[least, most], [next, _]| [least.min(next), most.max(next)])
+            .unwrap_or([first, first])
+    }
+
+    /// The samples in all pixels together, those left out included.
+    pub fn sample_count(&self) -> u64 {
+        let first = self.kind.first_sample;
+        let count = |tile: &Tile| u64::from(tile.next_sample - first) * tile.region.pixel_count();
+        self.tiles().map(|tile| count(&tile)).sum()
     }
 
     /// The samples that were left out so far.
-    pub(crate) fn defects(&self) -> Defects {
+    pub fn defects(&self) -> Defects {
         let mut defects = Defects::default();
-        for tile in &self.tiles {
-            defects.merge(tile.defects());
+        for tile in self.tiles() {
+            defects.merge(&tile.defects);
         }
         defects
     }
@@ -113,50 +151,44 @@ impl FilmSums {
         picture.data_origin = [offset(self.region.x), offset(self.region.y)];
         for (channel, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
             if channel < 3 || channels.alpha {
-                picture.push(name, self.plane(|pixel| mean(pixel, channel)));
+                picture.push(name, self.plane(|tile, pixel| tile.mean(pixel, channel)));
             }
         }
         for (layer, name) in self.layer_names.iter().enumerate() {
-            picture.push(name, self.plane(|pixel| mean(pixel, COLOR_CHANNELS + layer)));
+            let channel = COLOR_CHANNELS + layer;
+            picture.push(name, self.plane(|tile, pixel| tile.mean(pixel, channel)));
         }
         for (channel, name) in VARIANCE_NAMES.into_iter().enumerate() {
             if channels.variance {
-                picture.push(name, self.plane(|pixel| variance_of_mean(pixel, channel)));
+                picture.push(name, self.plane(|tile, pixel| tile.variance_of_mean(pixel, channel)));
             }
         }
         picture
     }
 
     /// One value per pixel, row by row.
-    fn plane(&self, value: impl Fn(&PixelSums<'_>) -> f64) -> Vec<f32> {
+    fn plane(&self, value: impl Fn(&Tile, usize) -> f64) -> Vec<f32> {
         let width = self.region.width as usize;
         let mut plane = vec![0.0; self.region.pixel_count() as usize];
-        for tile in &self.tiles {
-            let region = tile.region();
+        for tile in self.tiles() {
+            let region = tile.region;
             let left = (region.x - self.region.x) as usize;
             let top = (region.y - self.region.y) as usize;
-            for (index, pixel) in tile.pixels().enumerate() {
-                let (row, column) = (index / region.width as usize, index % region.width as usize);
-                plane[(top + row) * width + left + column] = value(&pixel) as f32;
+            for pixel in 0..region.pixel_count() as usize {
+                let (row, column) = (pixel / region.width as usize, pixel % region.width as usize);
+                plane[(top + row) * width + left + column] = value(&tile, pixel) as f32;
             }
         }
         plane
     }
-}
 
-fn mean(pixel: &PixelSums<'_>, channel: usize) -> f64 {
-    if pixel.count == 0 { 0.0 } else { pixel.sums[channel] / f64::from(pixel.count) }
-}
-
-/// The unbiased estimate (Σv² − (Σv)²/n) / (n − 1) of a sample's variance, over n. With fewer than
-/// two samples nothing is known, which is said as zero.
-fn variance_of_mean(pixel: &PixelSums<'_>, channel: usize) -> f64 {
-    if pixel.count < 2 {
-        return 0.0;
+    /// The tiles, each locked while it is looked at.
+    fn tiles(&self) -> impl Iterator<Item = MutexGuard<'_, Tile>> {
+        self.tiles.iter().map(lock)
     }
-    let count = f64::from(pixel.count);
-    let sum = pixel.sums[channel];
-    let spread = pixel.squares[channel] - sum * sum / count;
-    // Rounding can leave a constant pixel a hair below zero.
-    spread.max(0.0) / (count - 1.0) / count
+}
+
+/// A panic in a sample leaves whole sums: they are only added to after it.
+fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
+    tile.lock().unwrap_or_else(PoisonError::into_inner)
 }

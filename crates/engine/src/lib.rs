@@ -5,9 +5,10 @@
 //! adds them up in [`FilmSums`]. [`Camera`] is the source that a scene is: sensor, reconstruction
 //! filter, random numbers and integrator.
 //!
-//! A sample is a pure function of the seed and its [`SampleId`], and a pixel's samples are added
-//! in the order of their indices. So the picture is the same, bit for bit, for any number of
-//! threads, and any sample can be replayed ([`Camera::replay`]).
+//! A sample is a pure function of the seed and its [`SampleId`], and sums do not depend on the
+//! order of what is added ([`ExactSums`]). So the picture is the same, bit for bit, for any number
+//! of threads and however its samples are divided over runs, and any sample can be replayed
+//! ([`Camera::replay`]).
 //!
 //! News leaves through [`Observer`]; [`Cancel`] stops a render and keeps what is done. A sample
 //! that is infinite, not a number or negative is left out of its pixel, counted and named
@@ -17,6 +18,7 @@
 mod camera;
 mod clock;
 mod error;
+mod exact_sums;
 mod film_sums;
 mod observer;
 mod region;
@@ -29,10 +31,11 @@ mod workers;
 
 pub use camera::{Camera, Replay};
 pub use error::EngineError;
+pub use exact_sums::ExactSums;
 pub use film_sums::{Channels, FilmSums};
 pub use observer::{Cancel, FinishedPass, Observer, Progress, Silent};
 pub use region::Region;
-pub use render::{Budget, Job, render_samples};
+pub use render::{Budget, Job, add_samples, render_samples};
 pub use source::{Sample, SampleId, SampleSource};
 pub use statistics::{Defect, Defects, Statistics};
 pub use workers::Workers;

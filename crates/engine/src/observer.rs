@@ -9,8 +9,10 @@ use crate::FilmSums;
 /// How far a render is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Samples taken.
+    /// Samples in the film.
     pub samples_done: u64,
+    /// How many of them were there when this run began.
+    pub samples_before: u64,
     /// Samples in the budget; `None` if only time is limited.
     pub samples_total: Option<u64>,
     /// Since the first ray.
@@ -20,9 +22,14 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Samples per second of the wall clock so far.
+    /// Samples of this run per second of the wall clock so far.
     pub fn rate(&self) -> f64 {
-        self.samples_done as f64 / self.elapsed.as_secs_f64().max(1e-9)
+        self.samples_taken() as f64 / self.elapsed.as_secs_f64().max(1e-9)
+    }
+
+    /// Samples of this run.
+    fn samples_taken(&self) -> u64 {
+        self.samples_done.saturating_sub(self.samples_before)
     }
 
     /// How much is done, from 0 to 1: of the samples or of the time, whichever is further.
@@ -40,7 +47,7 @@ impl Progress {
     pub fn time_left(&self) -> Option<Duration> {
         let by_samples = self
             .samples_total
-            .filter(|_| self.samples_done > 0)
+            .filter(|_| self.samples_taken() > 0)
             .map(|total| total.saturating_sub(self.samples_done) as f64 / self.rate());
         let by_time = self.time_limit.map(|limit| limit.saturating_sub(self.elapsed).as_secs_f64());
         let seconds = match (by_samples, by_time) {
@@ -108,6 +115,7 @@ mod tests {
 
     const HALF: Progress = Progress {
         samples_done: 50,
+        samples_before: 0,
         samples_total: Some(100),
         elapsed: Duration::from_secs(5),
         time_limit: None,
@@ -118,6 +126,13 @@ mod tests {
         assert_eq!(HALF.rate(), 10.0);
         assert_eq!(HALF.fraction(), 0.5);
         assert_eq!(HALF.time_left(), Some(Duration::from_secs(5)));
+    }
+
+    #[test]
+    fn what_was_there_before_counts_as_done_but_not_for_the_rate() {
+        let resumed = Progress { samples_before: 40, ..HALF };
+        assert_eq!((resumed.fraction(), resumed.rate()), (0.5, 2.0));
+        assert_eq!(resumed.time_left(), Some(Duration::from_secs(25)));
     }
 
     #[test]

@@ -28,8 +28,7 @@ impl Region {
 
     /// The tiles that make up the region, along a Morton curve, so that tiles that are rendered
     /// one after the other see the same part of the scene.
-    pub(crate) fn tiles(&self, thread_count: usize) -> Vec<Region> {
-        let side = self.tile_side(thread_count);
+    pub(crate) fn tiles(&self, side: u32) -> Vec<Region> {
         let (columns, rows) = (self.width.div_ceil(side), self.height.div_ceil(side));
         let all = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
         let mut cells: Vec<(u32, u32)> = all.collect();
@@ -38,7 +37,7 @@ impl Region {
     }
 
     /// The largest side that gives every thread enough tiles, or the smallest one.
-    fn tile_side(&self, thread_count: usize) -> u32 {
+    pub(crate) fn tile_side(&self, thread_count: usize) -> u32 {
         let wanted = TILES_PER_THREAD * thread_count as u64;
         let tile_count = |side: u32| {
             u64::from(self.width.div_ceil(side)) * u64::from(self.height.div_ceil(side))
@@ -82,7 +81,7 @@ mod tests {
         let region = Region { x: 3, y: 5, width: 37, height: 50 };
         for thread_count in [1, 2, 5, 128] {
             let mut seen = vec![0; 37 * 50];
-            for tile in region.tiles(thread_count) {
+            for tile in region.tiles(region.tile_side(thread_count)) {
                 for y in tile.y..tile.y + tile.height {
                     for x in tile.x..tile.x + tile.width {
                         seen[((y - 5) * 37 + x - 3) as usize] += 1;
@@ -96,15 +95,15 @@ mod tests {
     #[test]
     fn many_threads_get_many_tiles() {
         let region = Region { x: 0, y: 0, width: 256, height: 256 };
-        assert_eq!(region.tiles(2).len(), 256);
-        assert_eq!(region.tiles(128).len(), 4096);
+        assert_eq!(region.tiles(region.tile_side(2)).len(), 256);
+        assert_eq!(region.tiles(region.tile_side(128)).len(), 4096);
     }
 
     #[test]
     fn consecutive_tiles_are_neighbours_in_blocks_of_four() {
         let region = Region { x: 0, y: 0, width: 64, height: 64 };
-        let corners: Vec<_> = region.tiles(1)[..4].iter().map(|tile| (tile.x, tile.y)).collect();
-        let side = region.tiles(1)[0].width;
+        let side = region.tile_side(1);
+        let corners: Vec<_> = region.tiles(side)[..4].iter().map(|tile| (tile.x, tile.y)).collect();
         assert_eq!(corners, [(0, 0), (side, 0), (0, side), (side, side)]);
     }
 

@@ -12,7 +12,8 @@ use crate::{Cancel, EngineError, FilmSums, FinishedPass, Observer, Workers};
 /// How much is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Samples for every pixel; `None` for as many as the time allows.
+    /// Every pixel gets the samples whose indices lie below this number; `None` for as many as the
+    /// time allows.
     pub samples_per_pixel: Option<u32>,
     /// Wall time from the first ray. Every pixel gets one sample even if that takes longer.
     pub time: Option<Duration>,
@@ -33,8 +34,13 @@ impl Budget {
 pub struct Job {
     /// The pixels.
     pub region: Region,
+    /// The index of every pixel's first sample: 0, unless this is a part of a picture whose other
+    /// samples are taken elsewhere.
+    pub first_sample: u32,
     /// When to stop.
     pub budget: Budget,
+    /// Whether variances will be wanted: the sums of squares cost memory.
+    pub variance: bool,
     /// The bytes that the film may take.
     pub memory_limit: u64,
 }
@@ -54,40 +60,55 @@ pub fn render_samples<S: SampleSource>(
     observer: &dyn Observer,
     cancel: &Cancel,
 ) -> Result<(FilmSums, Statistics), EngineError> {
-    job.budget.check()?;
-    let thread_count = workers.thread_count();
-    let mut film = FilmSums::new(job.region, source.layers(), thread_count, job.memory_limit)?;
-    let mut schedule = Schedule::new(job.budget.samples_per_pixel.unwrap_or(u32::MAX));
-    let clock = Clock::start(job, observer, cancel);
+    let film = FilmSums::new(job, source.layers(), workers.thread_count())?;
+    let statistics = add_samples(source, (&film, job.budget), workers, observer, cancel)?;
+    Ok((film, statistics))
+}
+
+/// Goes on with a film, which may hold samples of earlier runs, until the budget is spent: every
+/// sample index below the budget's number is there once, or the time is over.
+///
+/// # Errors
+///
+/// [`EngineError::NoBudget`] if there is nothing to spend.
+pub fn add_samples<S: SampleSource>(
+    source: &S,
+    (film, budget): (&FilmSums, Budget),
+    workers: &Workers,
+    observer: &dyn Observer,
+    cancel: &Cancel,
+) -> Result<Statistics, EngineError> {
+    budget.check()?;
+    let clock = Clock::start((film, budget), observer, cancel);
+    let [start, _] = film.next_samples();
+    let mut schedule = Schedule::new(start, budget.samples_per_pixel.unwrap_or(u32::MAX));
     let mut passes = 0;
 
-    while let Some(indices) = schedule.next_pass() {
+    while let Some(end) = schedule.next_pass() {
+        let first = FirstPass(passes == 0 && start == film.first_sample());
         passes += 1;
         let pass_started = Instant::now();
-        let first = FirstPass(indices.start == 0);
-        let samples_per_pixel = indices.end;
         workers.run(|| {
-            let go_on = || clock.may_go_on(first);
-            film.add_samples(source, indices, &go_on, &|samples| clock.count(samples));
+            film.add_samples(source, end, &|| clock.may_go_on(first), &|count| clock.count(count));
         });
         if !clock.may_go_on(FirstPass(false)) {
             break;
         }
         schedule.adapt(pass_started.elapsed());
-        observer.pass_finished(&FinishedPass { samples_per_pixel, film: &film });
+        let samples_per_pixel = end - film.first_sample();
+        observer.pass_finished(&FinishedPass { samples_per_pixel, film });
     }
 
-    let end = clock.finish();
-    let samples_per_pixel = film.samples_per_pixel();
-    let is_complete = job.budget.samples_per_pixel == Some(samples_per_pixel[0]);
-    let statistics = Statistics {
-        samples: end.samples_done,
-        samples_per_pixel,
+    let progress = clock.finish();
+    let [reached, _] = film.next_samples();
+    let is_complete = budget.samples_per_pixel.is_some_and(|wanted| reached >= wanted);
+    Ok(Statistics {
+        samples: progress.samples_done - progress.samples_before,
+        samples_per_pixel: film.samples_per_pixel(),
         passes,
-        threads: thread_count,
-        duration: end.elapsed,
+        threads: workers.thread_count(),
+        duration: progress.elapsed,
         cancelled: cancel.is_cancelled() && !is_complete,
         defects: film.defects(),
-    };
-    Ok((film, statistics))
+    })
 }

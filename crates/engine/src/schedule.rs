@@ -1,6 +1,5 @@
 //! How a render is divided into passes.
 
-use std::ops::Range;
 use std::time::Duration;
 
 /// Passes take about this long once they have grown: long enough that waiting for the last tile
@@ -19,19 +18,19 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    /// A schedule for sample indices below `end`.
-    pub(crate) fn new(end: u32) -> Self {
-        Self { next: 0, end, size: 1 }
+    /// A schedule for the sample indices from `start` to below `end`.
+    pub(crate) fn new(start: u32, end: u32) -> Self {
+        Self { next: start, end, size: 1 }
     }
 
-    /// The indices of the next pass; `None` when all have been handed out.
-    pub(crate) fn next_pass(&mut self) -> Option<Range<u32>> {
+    /// The index below which every sample is taken after the next pass; `None` when all have been
+    /// handed out.
+    pub(crate) fn next_pass(&mut self) -> Option<u32> {
         if self.next >= self.end {
             return None;
         }
-        let start = self.next;
-        self.next = start.saturating_add(self.size).min(self.end);
-        Some(start..self.next)
+        self.next = self.next.saturating_add(self.size).min(self.end);
+        Some(self.next)
     }
 
     /// Sets the size of the next pass by how long the last one took.
@@ -48,36 +47,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_passes_cover_every_index_once() {
-        let mut schedule = Schedule::new(1000);
-        let mut expected = 0;
-        while let Some(pass) = schedule.next_pass() {
-            assert_eq!(pass.start, expected);
-            assert!(pass.end > pass.start);
-            expected = pass.end;
+    fn the_passes_cover_every_index() {
+        let mut schedule = Schedule::new(3, 1000);
+        let mut last = 3;
+        while let Some(end) = schedule.next_pass() {
+            assert!(end > last);
+            last = end;
             schedule.adapt(Duration::from_millis(1));
         }
-        assert_eq!(expected, 1000);
+        assert_eq!(last, 1000);
     }
 
     #[test]
     fn passes_double_while_they_are_short_and_settle_at_their_time() {
-        let mut schedule = Schedule::new(u32::MAX);
-        let mut sizes = Vec::new();
+        let mut schedule = Schedule::new(0, u32::MAX);
+        let mut ends = Vec::new();
         for _ in 0..8 {
-            let pass = schedule.next_pass().unwrap();
-            let size = pass.end - pass.start;
-            sizes.push(size);
-            schedule.adapt(Duration::from_millis(10) * size);
+            let start = ends.last().copied().unwrap_or(0);
+            let end = schedule.next_pass().unwrap();
+            ends.push(end);
+            schedule.adapt(Duration::from_millis(10) * (end - start));
         }
-        assert_eq!(sizes, [1, 2, 4, 8, 16, 20, 20, 20]);
+        assert_eq!(ends, [1, 3, 7, 15, 31, 51, 71, 91]);
     }
 
     #[test]
     fn a_slow_scene_gets_single_samples() {
-        let mut schedule = Schedule::new(4);
+        let mut schedule = Schedule::new(0, 4);
         schedule.next_pass();
         schedule.adapt(Duration::from_secs(1000));
-        assert_eq!(schedule.next_pass(), Some(1..2));
+        assert_eq!(schedule.next_pass(), Some(2));
     }
 }

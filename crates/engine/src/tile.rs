@@ -1,8 +1,7 @@
 //! A small rectangle of pixels and the sums of its samples: what one thread works on at a time.
 
-use std::ops::Range;
-
 use crate::SampleId;
+use crate::exact_sums::{ExactSums, SumsMut};
 use crate::region::Region;
 use crate::source::{Sample, SampleSource};
 use crate::statistics::{Defect, Defects};
@@ -10,92 +9,93 @@ use crate::statistics::{Defect, Defects};
 /// Red, green, blue and alpha; the extra layers follow.
 pub(crate) const COLOR_CHANNELS: usize = 4;
 
+/// Red, green and blue have squares.
+pub(crate) const SQUARED_CHANNELS: usize = 3;
+
 /// The sums of one rectangle of pixels, row by row.
-///
-/// A tile belongs to one thread at a time, so nothing here is shared or locked.
 #[derive(Debug)]
 pub(crate) struct Tile {
-    region: Region,
+    pub(crate) region: Region,
     /// Channels per pixel, alpha included.
     channel_count: usize,
     /// Σ weight·value of every channel, pixel after pixel.
-    sums: Vec<f64>,
-    /// Σ (weight·value)² of red, green and blue.
-    squares: Vec<[f64; 3]>,
+    pub(crate) sums: ExactSums,
+    /// Σ (weight·value)² of red, green and blue; empty if nobody asks for variances.
+    pub(crate) squares: ExactSums,
     /// Samples in the sums.
-    counts: Vec<u32>,
+    pub(crate) counts: Vec<u32>,
     /// What a sample writes its layers to.
     layers: Vec<f32>,
-    /// Samples that every pixel was given, those left out included.
-    samples_per_pixel: u32,
-    defects: Defects,
+    /// The sample index that every pixel's next sample has.
+    pub(crate) next_sample: u32,
+    pub(crate) defects: Defects,
 }
 
-/// The sums of one pixel.
-pub(crate) struct PixelSums<'a> {
-    /// Σ weight·value of every channel.
-    pub(crate) sums: &'a [f64],
-    /// Σ (weight·value)² of red, green and blue.
-    pub(crate) squares: [f64; 3],
-    /// Samples in the sums.
-    pub(crate) count: u32,
+/// What the tiles of a film have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TileKind {
+    /// Channels beyond red, green, blue and alpha.
+    pub(crate) layer_count: usize,
+    /// Whether squares are summed.
+    pub(crate) variance: bool,
+    /// The index of every pixel's first sample.
+    pub(crate) first_sample: u32,
 }
 
 impl Tile {
-    pub(crate) fn new(region: Region, layer_count: usize) -> Self {
+    pub(crate) fn new(region: Region, kind: TileKind) -> Self {
         let pixel_count = region.pixel_count() as usize;
-        let channel_count = COLOR_CHANNELS + layer_count;
+        let channel_count = COLOR_CHANNELS + kind.layer_count;
+        let squared = if kind.variance { pixel_count * SQUARED_CHANNELS } else { 0 };
         Self {
             region,
             channel_count,
-            sums: vec![0.0; pixel_count * channel_count],
-            squares: vec![[0.0; 3]; pixel_count],
+            sums: ExactSums::new(pixel_count * channel_count),
+            squares: ExactSums::new(squared),
             counts: vec![0; pixel_count],
-            layers: vec![0.0; layer_count],
-            samples_per_pixel: 0,
+            layers: vec![0.0; kind.layer_count],
+            next_sample: kind.first_sample,
             defects: Defects::default(),
         }
     }
 
-    /// Where the tile lies in the film.
-    pub(crate) fn region(&self) -> Region {
-        self.region
+    /// The mean of a channel of a pixel; zero without samples.
+    pub(crate) fn mean(&self, pixel: usize, channel: usize) -> f64 {
+        match self.counts[pixel] {
+            0 => 0.0,
+            count => self.sum(pixel, channel) / f64::from(count),
+        }
     }
 
-    /// How many samples every pixel was given, those left out included.
-    pub(crate) fn samples_per_pixel(&self) -> u32 {
-        self.samples_per_pixel
+    /// The variance of the mean of red, green or blue: the unbiased estimate
+    /// (Σv² − (Σv)²/n) / (n − 1) of a sample's, over n. With fewer than two samples, or without
+    /// squares, nothing is known, which is said as zero.
+    pub(crate) fn variance_of_mean(&self, pixel: usize, channel: usize) -> f64 {
+        if self.counts[pixel] < 2 || self.squares.is_empty() {
+            return 0.0;
+        }
+        let count = f64::from(self.counts[pixel]);
+        let sum = self.sum(pixel, channel);
+        let square = self.squares.value(pixel * SQUARED_CHANNELS + channel);
+        // Rounding can leave a constant pixel a hair below zero.
+        (square - sum * sum / count).max(0.0) / (count - 1.0) / count
     }
 
-    /// The samples that were left out.
-    pub(crate) fn defects(&self) -> &Defects {
-        &self.defects
+    fn sum(&self, pixel: usize, channel: usize) -> f64 {
+        self.sums.value(pixel * self.channel_count + channel)
     }
 
-    /// The pixels, row by row.
-    pub(crate) fn pixels(&self) -> impl Iterator<Item = PixelSums<'_>> {
-        let sums = self.sums.chunks_exact(self.channel_count);
-        sums.zip(&self.squares).zip(&self.counts).map(|((sums, &squares), &count)| PixelSums {
-            sums,
-            squares,
-            count,
-        })
-    }
-
-    /// Adds a range of sample indices to every pixel; returns how many samples were taken.
-    ///
-    /// The samples of a pixel are added one by one in the order of their indices, so that the sums
-    /// do not depend on how the indices were divided into ranges.
-    pub(crate) fn render<S: SampleSource>(&mut self, source: &S, indices: Range<u32>) -> u64 {
+    /// Gives every pixel its samples up to, but not with, index `end`; returns how many were taken.
+    pub(crate) fn render<S: SampleSource>(&mut self, source: &S, end: u32) -> u64 {
         let Region { x, y, width, height } = self.region;
-        for row in 0..height {
+        let count = end.saturating_sub(self.next_sample);
+        for row in 0..if count > 0 { height } else { 0 } {
             for column in 0..width {
                 let pixel = row as usize * width as usize + column as usize;
-                self.render_pixel(source, pixel, [x + column, y + row], indices.clone());
+                self.render_pixel(source, pixel, [x + column, y + row], end);
             }
         }
-        let count = indices.end - indices.start;
-        self.samples_per_pixel += count;
+        self.next_sample += count;
         self.region.pixel_count() * u64::from(count)
     }
 
@@ -104,12 +104,11 @@ impl Tile {
         source: &S,
         pixel: usize,
         [x, y]: [u32; 2],
-        indices: Range<u32>,
+        end: u32,
     ) {
-        let start = pixel * self.channel_count;
-        let sums = &mut self.sums[start..start + self.channel_count];
-        let squares = &mut self.squares[pixel];
-        for index in indices {
+        let mut sums = self.sums.slice_mut(pixel * self.channel_count, self.channel_count);
+        let has_squares = !self.squares.is_empty();
+        for index in self.next_sample..end {
             let id = SampleId { index, y, x };
             let sample = source.sample(id, &mut self.layers);
             if let Some(defect) = find_defect(&sample, &self.layers) {
@@ -117,7 +116,11 @@ impl Tile {
                 continue;
             }
             self.counts[pixel] += 1;
-            add(sums, squares, &sample, &self.layers);
+            add(&mut sums, &sample, &self.layers);
+            if has_squares {
+                let place = pixel * SQUARED_CHANNELS;
+                add_squares(&mut self.squares.slice_mut(place, SQUARED_CHANNELS), &sample);
+            }
         }
     }
 }
@@ -135,16 +138,22 @@ fn find_defect(sample: &Sample, layers: &[f32]) -> Option<Defect> {
     }
 }
 
-fn add(sums: &mut [f64], squares: &mut [f64; 3], sample: &Sample, layers: &[f32]) {
+#[inline(always)]
+fn add(sums: &mut SumsMut<'_>, sample: &Sample, layers: &[f32]) {
     let weight = f64::from(sample.weight);
-    let (color_sums, layer_sums) = sums.split_at_mut(COLOR_CHANNELS);
-    let rgb = sample.color.rgb().map(|value| weight * f64::from(value));
-    for channel in 0..3 {
-        color_sums[channel] += rgb[channel];
-        squares[channel] += rgb[channel] * rgb[channel];
+    let [red, green, blue] = sample.color.rgb();
+    for (channel, value) in [red, green, blue, sample.alpha].into_iter().enumerate() {
+        sums.add(channel, weight * f64::from(value));
     }
-    color_sums[3] += weight * f64::from(sample.alpha);
-    for (sum, &value) in layer_sums.iter_mut().zip(layers) {
-        *sum += weight * f64::from(value);
+    for (layer, &value) in layers.iter().enumerate() {
+        sums.add(COLOR_CHANNELS + layer, weight * f64::from(value));
+    }
+}
+
+fn add_squares(squares: &mut SumsMut<'_>, sample: &Sample) {
+    let weight = f64::from(sample.weight);
+    for (channel, value) in sample.color.rgb().into_iter().enumerate() {
+        let weighted = weight * f64::from(value);
+        squares.add(channel, weighted * weighted);
     }
 }

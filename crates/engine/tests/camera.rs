@@ -46,7 +46,7 @@ fn build() -> (Scene, Box<dyn Integrator>) {
 
 fn job(region: Region, samples_per_pixel: u32) -> Job {
     let budget = Budget { samples_per_pixel: Some(samples_per_pixel), time: None };
-    Job { region, budget, memory_limit: 1 << 30 }
+    Job { region, first_sample: 0, budget, variance: false, memory_limit: 1 << 30 }
 }
 
 fn with_camera<T>(test: impl FnOnce(&Camera<'_>) -> T) -> T {

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use etendue_engine::{
     Budget, Cancel, Channels, Defect, EngineError, FilmSums, FinishedPass, Job, Observer, Progress,
-    Region, Sample, SampleId, SampleSource, Silent, Statistics, Workers, render_samples,
+    Region, Sample, SampleId, SampleSource, Silent, Statistics, Workers, add_samples,
+    render_samples,
 };
 use etendue_spectrum::Spectrum;
 
@@ -46,7 +47,7 @@ const REGION: Region = Region { x: 2, y: 3, width: 37, height: 21 };
 
 fn job(samples_per_pixel: u32) -> Job {
     let budget = Budget { samples_per_pixel: Some(samples_per_pixel), time: None };
-    Job { region: REGION, budget, memory_limit: 1 << 30 }
+    Job { region: REGION, first_sample: 0, budget, variance: true, memory_limit: 1 << 30 }
 }
 
 fn workers(thread_count: usize) -> Workers {
@@ -207,4 +208,28 @@ fn jobs_that_cannot_be_done_are_errors() {
     let error = try_job(Job { region: huge, ..job(1) });
     assert!(matches!(error, EngineError::FilmTooLarge { .. }));
     assert!(error.to_string().contains("2000000000x2000000000"));
+}
+
+/// Any order of runs over any ranges of samples gives the same sums.
+#[test]
+fn going_on_with_a_film_is_rendering_it_at_once() {
+    let source = formula(|id| grey(noise(id) * 1e3_f32.powf(noise(id) * 7.0)));
+    let whole = render(&source, &job(50), 2).0.develop(ALL);
+    let film = FilmSums::new(&job(50), source.layers(), 128).unwrap();
+    for (end, threads) in [(7, 1), (7, 2), (20, 5), (50, 2)] {
+        let budget = Budget { samples_per_pixel: Some(end), time: None };
+        let (workers, cancel) = (workers(threads), Cancel::new());
+        add_samples(&source, (&film, budget), &workers, &Silent, &cancel).unwrap();
+        assert_eq!(film.samples_per_pixel(), [end; 2]);
+    }
+    assert_eq!(film.develop(ALL), whole);
+}
+
+#[test]
+fn a_part_takes_the_samples_from_its_first_one() {
+    let source = formula(|id| grey(id.index as f32));
+    let (film, statistics) = render(&source, &Job { first_sample: 10, ..job(20) }, 2);
+    assert_eq!((film.first_sample(), film.samples_per_pixel()), (10, [10; 2]));
+    assert_eq!(statistics.samples, 10 * REGION.pixel_count());
+    assert_eq!(film.develop(ALL).channels[0].data[0], 14.5, "the mean of 10 to 19");
 }

@@ -85,7 +85,9 @@ impl<'a> Shot<'a> {
         );
         let job = Job {
             region: find_region(setup, options.region)?,
+            first_sample: 0,
             budget: Budget { samples_per_pixel, time: options.time_limit },
+            variance: options.variance,
             memory_limit: options.memory_limit.unwrap_or(DEFAULT_MEMORY_LIMIT),
         };
         let camera = Camera::new(&content.scene, setup, sampler, &*content.integrator);
