@@ -1,6 +1,7 @@
 //! Document → scene: the way from typed parameters to plugins.
 
 mod assets;
+mod attributes;
 mod colors;
 mod shapes;
 
@@ -45,7 +46,9 @@ pub fn build_scene(
     let mut builder = Builder::new(&assets, options);
     builder.textures_decoded = loaded.textures;
     let root = document.parameters(document.root, diagnostics);
-    let parts = Parts { sensors: builder.sensors(&root), ..builder.shapes(&root, loaded.geometry) };
+    let mut parts =
+        Parts { sensors: builder.sensors(&root), ..builder.shapes(&root, loaded.geometry) };
+    builder.connect_attributes(&mut parts.shapes);
     let parts = Parts { emitters: builder.emitters(&root, parts.emitters), ..parts };
     builder.check_integrators(&root);
     builder.unused_nodes(&root);
@@ -84,6 +87,8 @@ pub struct Builder<'a> {
     textures_built: HashMap<NodeId, Option<TextureId>>,
     textures_decoded: HashMap<NodeId, assets::Decoded<'a>>,
     default_material: Option<MaterialId>,
+    /// Whether any texture reads the attributes of meshes.
+    has_attribute_textures: bool,
 }
 
 impl<'a> Builder<'a> {
@@ -99,6 +104,11 @@ impl<'a> Builder<'a> {
             textures_built: HashMap::new(),
             textures_decoded: HashMap::new(),
             default_material: None,
+            has_attribute_textures: assets
+                .document
+                .nodes
+                .iter()
+                .any(|node| node.class == Class::Texture && node.plugin == "mesh_attribute"),
         }
     }
 

@@ -128,6 +128,12 @@ pub static TEXTURES: &[Plugin<BuildTexture>] = &[
     plugin("checkerboard", &texture::checkerboard::MANUAL, |b, p| {
         texture::checkerboard::build(b, p).map(Texture::Checkerboard)
     }),
+    plugin("mesh_attribute", &texture::mesh_attribute::MANUAL, |b, p| {
+        texture::mesh_attribute::build(b, p).map(Texture::MeshAttribute)
+    }),
+    plugin("rawconstant", &texture::rawconstant::MANUAL, |b, p| {
+        texture::rawconstant::build(b, p).map(Texture::Constant)
+    }),
 ];
 
 /// The emitters that stand alone.

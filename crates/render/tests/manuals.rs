@@ -3,7 +3,7 @@
 
 use etendue_document::{Class, Diagnostics, Fault, MemoryResources};
 use etendue_image::{EncodeOptions, FileFormat, Layer, Picture, encode};
-use etendue_mesh::{TriangleMesh, write_obj, write_ply};
+use etendue_mesh::{Attribute, AttributeDomain, TriangleMesh, write_obj, write_ply};
 use etendue_mitsuba::{LoadOptions, load_str};
 use etendue_render::{BuildOptions, Manual, build_scene, registry};
 use glam::Vec3;
@@ -12,6 +12,12 @@ fn mesh() -> TriangleMesh {
     TriangleMesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         indices: vec![[0, 1, 2]],
+        attributes: vec![Attribute {
+            name: "vertex_color".into(),
+            domain: AttributeDomain::Vertex,
+            channels: 3,
+            values: vec![0.5; 9],
+        }],
         ..TriangleMesh::default()
     }
 }

@@ -42,6 +42,7 @@ impl<'a> Builder<'a> {
         let LoadedShape { parameters, geometry } = loaded;
         let material = self.shape_material(&parameters);
         let Some(mut geometry) = geometry else { return };
+        self.keep_attributes(&parameters, &mut geometry);
         let id = ShapeId(parts.shapes.len() as u32);
         let emitter = self.shape_emitter(&parameters, id).map(|emitter| {
             if let Geometry::Mesh(mesh) = &mut geometry {

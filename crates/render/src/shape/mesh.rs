@@ -220,6 +220,12 @@ impl Mesh {
         &self.attributes
     }
 
+    /// Drops the attributes that are not wanted.
+    pub(crate) fn retain_attributes(&mut self, wanted: impl Fn(&Attribute) -> bool) {
+        self.attributes.retain(wanted);
+        self.attributes.shrink_to_fit();
+    }
+
     /// The box around the mesh.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {

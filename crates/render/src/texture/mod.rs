@@ -8,6 +8,8 @@
 
 pub mod bitmap;
 pub mod checkerboard;
+pub mod mesh_attribute;
+pub mod rawconstant;
 mod texels;
 mod uv;
 
@@ -25,6 +27,8 @@ pub enum Texture {
     Bitmap(bitmap::BitmapTexture),
     /// Two colours in squares.
     Checkerboard(checkerboard::Checkerboard),
+    /// What a mesh file says of its vertices or faces.
+    MeshAttribute(mesh_attribute::MeshAttribute),
 }
 
 impl Texture {
@@ -34,6 +38,7 @@ impl Texture {
         match self {
             Self::Constant(_) | Self::Checkerboard(_) => 0,
             Self::Bitmap(texture) => texture.memory_bytes(),
+            Self::MeshAttribute(texture) => texture.memory_bytes(),
         }
     }
 }
@@ -50,6 +55,7 @@ impl Textures<'_> {
             Texture::Constant(color) => *color,
             Texture::Bitmap(texture) => texture.eval(surface.uv),
             Texture::Checkerboard(texture) => texture.eval(*self, surface),
+            Texture::MeshAttribute(texture) => texture.eval(surface),
         }
     }
 
@@ -60,6 +66,7 @@ impl Textures<'_> {
             Texture::Constant(color) => color.luminance(),
             Texture::Bitmap(texture) => texture.eval_scalar(surface.uv),
             Texture::Checkerboard(texture) => texture.eval(*self, surface).luminance(),
+            Texture::MeshAttribute(texture) => texture.eval(surface).luminance(),
         }
     }
 
@@ -68,7 +75,9 @@ impl Textures<'_> {
     #[must_use]
     pub fn gradient(&self, id: TextureId, surface: &SurfaceInteraction) -> Vec2 {
         match &self.0[id.index()] {
-            Texture::Constant(_) | Texture::Checkerboard(_) => Vec2::ZERO,
+            Texture::Constant(_) | Texture::Checkerboard(_) | Texture::MeshAttribute(_) => {
+                Vec2::ZERO
+            }
             Texture::Bitmap(texture) => texture.gradient(surface.uv),
         }
     }
@@ -80,6 +89,7 @@ impl Textures<'_> {
             Texture::Constant(color) => *color,
             Texture::Bitmap(texture) => texture.mean(),
             Texture::Checkerboard(texture) => texture.mean(*self),
+            Texture::MeshAttribute(texture) => texture.mean(),
         }
     }
 }
