@@ -80,7 +80,7 @@ fn instances_have_the_colours_of_their_group() {
 
 #[test]
 fn what_cannot_be_read_is_refused() {
-    let error = |shapes: &str| build(shapes).err().expect("an error");
+    let error = |shapes: &str| build(shapes).expect_err("an error");
     assert!(error(&ply(&diffuse("vertex_color"))).contains("`face_color`"));
     assert!(error(&ply(&diffuse("vertex_pair"))).contains("2 channels"));
     assert!(error(&ply(&diffuse("color"))).contains("must start with"));
