@@ -5,6 +5,7 @@ use crate::bsdf::{self, Material};
 use crate::builder::{Assets, Builder};
 use crate::emitter::{self, Emitter};
 use crate::film::{self, FilmSpec};
+use crate::ids::ShapeId;
 use crate::manual::Manual;
 use crate::rfilter;
 use crate::sampler;
@@ -37,6 +38,8 @@ pub type BuildGeometry = fn(&Assets<'_>, &Parameters<'_>) -> Option<Geometry>;
 pub type BuildTexture = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Texture>;
 /// Builds an emitter that is no shape's.
 pub type BuildEmitter = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Emitter>;
+/// Builds the emitter of a shape.
+pub type BuildShapeEmitter = fn(&mut Builder<'_>, &Parameters<'_>, ShapeId) -> Emitter;
 /// Builds a sensor for a film.
 pub type BuildSensor = fn(&mut Builder<'_>, &Parameters<'_>, &FilmSpec) -> Option<Sensor>;
 /// Builds a film.
@@ -150,11 +153,21 @@ pub static EMITTERS: &[Plugin<BuildEmitter>] = &[
     plugin("point", &emitter::point::MANUAL, |b, p| {
         emitter::point::build(b, p).map(Emitter::Point)
     }),
+    plugin("projector", &emitter::projector::MANUAL, |b, p| {
+        emitter::projector::build(b, p).map(Emitter::Projector)
+    }),
     plugin("spot", &emitter::spot::MANUAL, |b, p| emitter::spot::build(b, p).map(Emitter::Spot)),
 ];
 
 /// The emitters that are nested in a shape: their names and pages.
-pub static SHAPE_EMITTERS: &[Plugin<()>] = &[plugin("area", &emitter::area::MANUAL, ())];
+pub static SHAPE_EMITTERS: &[Plugin<BuildShapeEmitter>] = &[
+    plugin("area", &emitter::area::MANUAL, |b, p, shape| {
+        Emitter::Area(emitter::area::build(b, p, shape))
+    }),
+    plugin("directionalarea", &emitter::directionalarea::MANUAL, |b, p, shape| {
+        Emitter::DirectionalArea(emitter::directionalarea::build(b, p, shape))
+    }),
+];
 
 /// The sensors.
 pub static SENSORS: &[Plugin<BuildSensor>] = &[

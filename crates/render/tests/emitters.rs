@@ -3,17 +3,17 @@
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_image::{EncodeOptions, FileFormat, Layer, Picture, encode};
-use etendue_math::Ray;
+use etendue_math::{Frame, Ray};
 use etendue_mitsuba::{LoadOptions, load_str};
 use etendue_render::emitter::Emitter;
-use etendue_render::{BuildOptions, EmitterId, Scene, build_scene};
+use etendue_render::{BuildOptions, EmitterId, Scene, ShapeId, SurfaceInteraction, build_scene};
 use etendue_testkit::{Accumulator, ChiSquare, TestRng, welch};
 use glam::Vec3;
 
 /// A scene of the given elements.
 fn scene(elements: &str) -> Scene {
     let diagnostics = Diagnostics::new();
-    let resources = MemoryResources::default().with("sky.exr", sky());
+    let resources = MemoryResources::default().with("sky.exr", sky()).with("slide.exr", slide());
     let text = format!("<scene version=\"3.0.0\">{elements}</scene>");
     let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
     let document = document.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
@@ -36,6 +36,21 @@ fn sky() -> Vec<u8> {
         .expect("the picture can be written")
 }
 
+/// Four by two texels, all different.
+fn slide() -> Vec<u8> {
+    let channels = [
+        [1.0, 0.0, 0.0, 1.0, 0.5, 0.0, 1.0, 0.2],
+        [0.0, 1.0, 0.0, 1.0, 0.5, 1.0, 0.0, 0.4],
+        [0.0, 0.0, 1.0, 0.0, 0.5, 1.0, 1.0, 0.6],
+    ];
+    let mut picture = Picture::new(4, 2);
+    for (name, data) in ["R", "G", "B"].into_iter().zip(channels) {
+        picture.push(name, data.to_vec());
+    }
+    encode(&picture, FileFormat::Exr, &EncodeOptions::default())
+        .expect("the picture can be written")
+}
+
 const REFERENCE: Vec3 = Vec3::new(0.3, -0.2, 0.1);
 
 /// The density with which the scene's only emitter samples the direction, by tracing a ray.
@@ -49,7 +64,7 @@ fn traced_pdf(scene: &Scene, direction: Vec3) -> f32 {
     }
 }
 
-const HITTABLE: [(&str, &str); 9] = [
+const HITTABLE: [(&str, &str); 11] = [
     (
         "sphere from outside",
         r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#,
@@ -77,6 +92,14 @@ const HITTABLE: [(&str, &str); 9] = [
     (
         "cube from inside",
         r#"<shape type="cube"><transform name="to_world"><scale x="1" y="2" z="1.5"/></transform><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+    ),
+    (
+        "rectangle that shows a picture",
+        r#"<shape type="rectangle"><transform name="to_world"><scale x="2"/><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="sky.exr"/></texture></emitter></shape>"#,
+    ),
+    (
+        "cube that shows a picture inside",
+        r#"<shape type="cube"><boolean name="flip_normals" value="true"/><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="sky.exr"/><transform name="to_uv"><scale value="2"/></transform></texture></emitter></shape>"#,
     ),
     ("constant", r#"<emitter type="constant"/>"#),
     (
@@ -179,4 +202,109 @@ fn delta_emitters_give_what_their_formulas_say() {
     let light = sample(&spot("1.027940, -0.2, 0.1")).expect("within the cone");
     assert!((light.radiance.luminance() - 0.125).abs() < 1e-4, "{light:?}");
     assert!(sample(&spot("3, -0.2, 0.1")).is_none(), "beyond the cone");
+}
+
+/// Read from Mitsuba 3.9.1 for the same lights and points.
+#[test]
+fn projected_pictures_fall_where_mitsuba_throws_them() {
+    let placement = r#"<transform name="to_world"><lookat origin="0.3, 1, 2" target="0.1, 0, 0" up="0, 1, 0"/></transform>"#;
+    let picture = r#"type="bitmap"><string name="filename" value="slide.exr"/><string name="filter_type" value="nearest"/><boolean name="raw" value="true"/></texture>"#;
+    let projector = format!(
+        r#"<emitter type="projector"><texture name="irradiance" {picture}<float name="fov" value="60"/><float name="scale" value="2"/>{placement}</emitter>"#
+    );
+    let spot = format!(
+        r#"<emitter type="spot"><rgb name="intensity" value="3, 2, 1"/><texture name="texture" {picture}<float name="cutoff_angle" value="35"/>{placement}</emitter>"#
+    );
+    let points = [
+        [0.0, 0.0, 0.0],
+        [0.4, 0.2, 0.1],
+        [-0.5, 0.3, -0.2],
+        [0.1, -0.6, 0.3],
+        [0.9, 0.9, 0.0],
+        [0.5, -0.3, 0.0],
+    ];
+    let expected = [
+        (
+            projector,
+            [
+                [0.0, 1.238_035_2, 0.0],
+                [0.0, 0.0, 1.527_333_9],
+                [0.0, 1.193_591, 0.0],
+                [0.0; 3],
+                [0.0; 3],
+                [1.169_353_2, 0.0, 1.169_353_2],
+            ],
+        ),
+        (
+            spot,
+            [
+                [0.589_391, 0.0, 0.196_463_67],
+                [0.0, 0.469_483_55, 0.234_741_78],
+                [0.502_512_7, 0.0, 0.167_504_22],
+                [0.0, 0.0, 0.182_149_35],
+                [0.117_740_57, 0.078_493_71, 0.039_246_86],
+                [0.0, 0.349_040_15, 0.0],
+            ],
+        ),
+    ];
+    for (light, expected) in expected {
+        let scene = scene(&light);
+        for (point, expected) in points.into_iter().zip(expected) {
+            let emitter = scene.emitter(EmitterId(0));
+            let sample = emitter.sample_direction(&scene, Vec3::from(point), glam::Vec2::ZERO);
+            let found = sample.map_or([0.0; 3], |sample| sample.radiance.rgb());
+            let close = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4);
+            assert!(close, "{light} at {point:?}: {found:?} instead of {expected:?}");
+        }
+    }
+}
+
+/// The power that arrives on a disk, by tracing rays from the light and by sampling the light from
+/// points of the disk.
+#[test]
+fn light_that_leaves_arrives() {
+    let receiver = r#"<shape type="disk"><transform name="to_world"><scale x="0.7" y="0.5"/><rotate x="1" angle="20"/><translate z="-1"/></transform></shape>"#;
+    let lookat = r#"<transform name="to_world"><lookat origin="0.3, 0.5, 2" target="0.1, 0, -1" up="0, 1, 0"/></transform>"#;
+    let picture = r#"type="bitmap"><string name="filename" value="slide.exr"/></texture>"#;
+    let lights = [
+        format!(r#"<emitter type="projector"><texture name="irradiance" {picture}<float name="fov" value="40"/>{lookat}</emitter>"#),
+        format!(r#"<emitter type="spot"><float name="cutoff_angle" value="25"/><texture name="texture" {picture}{lookat}</emitter>"#),
+        r#"<emitter type="point"><point name="position" x="0.3" y="0.2" z="1"/></emitter>"#.to_owned(),
+        r#"<emitter type="directional"><vector name="direction" x="0.2" y="0.1" z="-1"/></emitter>"#.to_owned(),
+        r#"<emitter type="constant"/>"#.to_owned(),
+        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#.to_owned(),
+        format!(r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="170"/><translate z="1"/></transform><emitter type="area"><texture name="radiance" {picture}</emitter></shape>"#),
+        r#"<shape type="sphere"><point name="center" x="0" y="0" z="1"/><emitter type="area"/></shape>"#.to_owned(),
+    ];
+    let mut random = TestRng::new(5);
+    for light in lights {
+        let scene = scene(&format!("{receiver}{light}"));
+        let emitter = scene.emitter(EmitterId(0));
+        let (mut traced, mut sampled) = (Accumulator::default(), Accumulator::default());
+        for _ in 0..60_000 {
+            let leaving = emitter.sample_leaving(&scene, random.next_vec2(), random.next_vec2());
+            let arrived = leaving.filter(|leaving| {
+                let hit = scene.intersect(&leaving.ray);
+                hit.is_some_and(|surface| surface.shape == ShapeId(0))
+            });
+            traced.add(arrived.map_or(0.0, |leaving| f64::from(leaving.power.luminance())));
+            let Some(point) = scene.shape(ShapeId(0)).sample_area(random.next_vec2()) else {
+                continue;
+            };
+            let from = SurfaceInteraction {
+                point: point.point,
+                error: point.error,
+                ..SurfaceInteraction::at_uv(point.uv, Frame::from_normal(point.normal))
+            };
+            let light = emitter.sample_direction(&scene, point.point, random.next_vec2());
+            let light = light.filter(|light| !scene.occluded(&light.shadow_ray(&from)));
+            sampled.add(light.map_or(0.0, |light| {
+                let cosine = light.direction.dot(point.normal).abs();
+                f64::from(light.radiance.luminance() * cosine / (light.pdf * point.pdf))
+            }));
+        }
+        let outcome = welch(&traced, &sampled);
+        assert!(outcome.accepts(1e-4), "{light}: {} and {}", traced.mean(), sampled.mean());
+        assert!(traced.mean() > 0.0, "{light}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::assets::LoadedShape;
 use super::{Builder, read_transform};
-use crate::emitter::{Emitter, area};
+use crate::emitter::Emitter;
 use crate::ids::{EmitterId, GroupId, MaterialId, ShapeId};
 use crate::registry;
 use crate::scene::{Parts, build_tree};
@@ -47,6 +47,9 @@ impl<'a> Builder<'a> {
         let emitter = self.shape_emitter(&parameters, id).map(|emitter| {
             if let Geometry::Mesh(mesh) = &mut geometry {
                 mesh.prepare_sampling();
+                if let Emitter::Area(area) = &emitter {
+                    area.let_follow(mesh, &self.textures);
+                }
             }
             parts.emitters.push(emitter);
             EmitterId(parts.emitters.len() as u32 - 1)
@@ -68,16 +71,10 @@ impl<'a> Builder<'a> {
     fn shape_emitter(&mut self, parameters: &Parameters<'_>, shape: ShapeId) -> Option<Emitter> {
         let child = parameters.unnamed_child(Class::Emitter)?;
         let parameters = self.parameters(child.node);
-        if parameters.plugin() != "area" {
-            registry::report_unknown(
-                &parameters,
-                registry::SHAPE_EMITTERS.iter().map(|entry| entry.name),
-            );
-            return None;
-        }
-        let emitter = area::build(self, &parameters, shape);
+        let build = registry::find(registry::SHAPE_EMITTERS, &parameters)?;
+        let emitter = build(self, &parameters, shape);
         parameters.finish();
-        Some(Emitter::Area(emitter))
+        Some(emitter)
     }
 
     fn add_instances(

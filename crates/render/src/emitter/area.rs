@@ -6,16 +6,16 @@ use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::scene::Scene;
-use crate::texture::ColorSource;
+use crate::shape::mesh::{Glow, Mesh};
+use crate::texture::{ColorSource, Texture};
 use etendue_document::Parameters;
-use etendue_math::Frame;
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Vec2, Vec3};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
     summary: "Makes the shape that it is nested in a diffuse light: radiance leaves its front, the same \
-              in all directions.",
+              in all directions. A picture on a mesh is sampled in proportion to its light.",
     parameters: &[parameter(
         "radiance",
         "spectrum or texture",
@@ -48,6 +48,20 @@ impl Area {
         self.radiance.eval(scene.textures(), surface)
     }
 
+    /// Lets points of the light's mesh follow the picture that it shows, if it shows one.
+    pub(crate) fn let_follow(&self, mesh: &mut Mesh, textures: &[Texture]) {
+        let ColorSource::Texture(id) = self.radiance else { return };
+        if let Texture::Bitmap(picture) = &textures[id.index()] {
+            let luminance = |uv: Vec2| picture.eval(uv).luminance();
+            mesh.follow(Glow { luminance: &luminance, resolution: picture.resolution() });
+        }
+    }
+
+    /// The shape and what it sends out.
+    pub(super) fn source(&self) -> (ShapeId, ColorSource) {
+        (self.shape, self.radiance)
+    }
+
     #[inline(always)]
     pub(super) fn sample_direction(
         &self,
@@ -63,13 +77,7 @@ impl Area {
         let radiance = match self.radiance {
             ColorSource::Constant(radiance) => radiance,
             ColorSource::Texture(_) => {
-                let shading = Frame::from_normal(sample.shading_normal);
-                let surface = SurfaceInteraction {
-                    point: sample.point,
-                    wi: shading.to_local(-direction),
-                    shape: self.shape,
-                    ..SurfaceInteraction::at_uv(sample.uv, shading)
-                };
+                let surface = sample.interaction(self.shape, -direction);
                 self.radiance.eval(scene.textures(), &surface)
             }
         };

@@ -32,8 +32,8 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Debug)]
 pub struct Directional {
     /// The unit direction towards the light.
-    towards_light: Vec3,
-    irradiance: Spectrum,
+    pub(super) towards_light: Vec3,
+    pub(super) irradiance: Spectrum,
 }
 
 /// Reads a directional light.

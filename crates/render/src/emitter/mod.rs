@@ -10,8 +10,11 @@
 pub mod area;
 pub mod constant;
 pub mod directional;
+pub mod directionalarea;
 pub mod envmap;
+pub mod leaving;
 pub mod point;
+pub mod projector;
 pub mod spot;
 
 use crate::interaction::SurfaceInteraction;
@@ -31,6 +34,10 @@ pub enum Emitter {
     Spot(spot::Spot),
     /// Parallel light from afar.
     Directional(directional::Directional),
+    /// A shape that shines straight ahead only.
+    DirectionalArea(directionalarea::DirectionalArea),
+    /// A point that throws a picture.
+    Projector(projector::Projector),
     /// The same light from everywhere afar.
     Constant(constant::Constant),
     /// A picture of the surroundings.
@@ -105,6 +112,8 @@ impl Emitter {
             Self::Point(emitter) => emitter.sample_direction(reference),
             Self::Spot(emitter) => emitter.sample_direction(scene, reference),
             Self::Directional(emitter) => Some(emitter.sample_direction()),
+            Self::DirectionalArea(_) => None,
+            Self::Projector(emitter) => emitter.sample_direction(scene, reference),
             Self::Constant(emitter) => Some(emitter.sample_direction(random)),
             Self::Environment(emitter) => emitter.sample_direction(random),
         }
@@ -166,6 +175,8 @@ impl Emitter {
             Self::Point(_) => "point",
             Self::Spot(_) => "spot",
             Self::Directional(_) => "directional",
+            Self::DirectionalArea(_) => "directionalarea",
+            Self::Projector(_) => "projector",
             Self::Constant(_) => "constant",
             Self::Environment(_) => "envmap",
         }

@@ -21,8 +21,8 @@ pub const MANUAL: Manual = Manual {
 /// A point light.
 #[derive(Clone, Debug)]
 pub struct Point {
-    position: Vec3,
-    intensity: Spectrum,
+    pub(super) position: Vec3,
+    pub(super) intensity: Spectrum,
 }
 
 /// Reads a point light.

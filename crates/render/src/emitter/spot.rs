@@ -39,10 +39,10 @@ pub const MANUAL: Manual = Manual {
 /// A spot light. Angles are in radians.
 #[derive(Clone, Debug)]
 pub struct Spot {
-    to_world: Transform,
+    pub(super) to_world: Transform,
     intensity: Spectrum,
     texture: ColorSource,
-    cutoff_angle: f32,
+    pub(super) cutoff_angle: f32,
     beam_width: f32,
 }
 
@@ -81,7 +81,7 @@ impl Spot {
     }
 
     /// The intensity in a unit direction of the light's own space.
-    fn intensity_towards(&self, textures: Textures<'_>, local: Vec3) -> Spectrum {
+    pub(super) fn intensity_towards(&self, textures: Textures<'_>, local: Vec3) -> Spectrum {
         let angle = local.truncate().length().atan2(local.z);
         if angle >= self.cutoff_angle {
             return Spectrum::ZERO;

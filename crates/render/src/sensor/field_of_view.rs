@@ -5,19 +5,19 @@ use etendue_document::{Fault, Parameters, Value};
 use glam::DVec2;
 use std::ops::Bound;
 
-pub(super) const FOV: ParameterManual = parameter(
+pub(crate) const FOV: ParameterManual = parameter(
     "fov",
     "float",
     "",
     "The field of view in degrees, between 0 and 180, along `fov_axis`; instead of `focal_length`.",
 );
-pub(super) const FOV_AXIS: ParameterManual = parameter(
+pub(crate) const FOV_AXIS: ParameterManual = parameter(
     "fov_axis",
     "string",
     "x",
     "What `fov` is measured along: `x`, `y`, `diagonal`, or the `smaller` or `larger` of x and y.",
 );
-pub(super) const FOCAL_LENGTH: ParameterManual = parameter(
+pub(crate) const FOCAL_LENGTH: ParameterManual = parameter(
     "focal_length",
     "string",
     "50mm",
@@ -56,7 +56,7 @@ const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
 
 /// Reads half the width and half the height of what a film of this aspect (width over height)
 /// covers at distance one; `None` after an error has been reported.
-pub(super) fn read_half_size(parameters: &Parameters<'_>, aspect: f64) -> Option<DVec2> {
+pub(crate) fn read_half_size(parameters: &Parameters<'_>, aspect: f64) -> Option<DVec2> {
     let angle_range = (Bound::Included(MIN_DEGREES), Bound::Excluded(180.0));
     let axis = parameters.choice("fov_axis", Axis::X, &AXES);
     let both = (parameters.value("fov").is_some(), parameters.value("focal_length").is_some());

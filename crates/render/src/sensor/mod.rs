@@ -8,7 +8,7 @@
 //!   one.
 //! - `to_world` may scale: distances and the aperture are then in the camera's units.
 
-mod field_of_view;
+pub(crate) mod field_of_view;
 pub mod orthographic;
 pub mod perspective;
 mod plane;

@@ -1,6 +1,11 @@
 //! Triangle meshes: what `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface` become.
 
+mod picture;
+
+pub use picture::Glow;
+
 use super::{ShapeSample, SurfacePoint};
+use crate::interaction::SurfaceInteraction;
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Transform, coordinate_system, rounding_error_bound};
 use etendue_mesh::{Attribute, MeshError, TriangleMesh};
@@ -32,7 +37,7 @@ pub struct Mesh {
 /// they are met: translation, shear and projection, products, sums, and the division.
 const INTERSECTION_ROUNDINGS: u32 = 12;
 
-/// How points uniform in area are chosen.
+/// How points are chosen: uniform in area but for those of pictures.
 #[derive(Clone, Debug)]
 enum AreaSampling {
     /// A triangle by its area, then a point in it.
@@ -40,6 +45,10 @@ enum AreaSampling {
     /// The two triangles are a flat parallelogram: one smooth map, which keeps well-spread random
     /// numbers well spread, and needs no vertices.
     Parallelogram(Parallelogram),
+    /// A parallelogram that shows a picture.
+    Slide(Box<picture::Slide>),
+    /// Any mesh that shows a picture.
+    Mosaic(picture::Mosaic),
 }
 
 /// A flat parallelogram: everything is affine in the two random numbers.
@@ -159,6 +168,27 @@ impl Mesh {
             let areas: Vec<f32> = self.triangle_areas().collect();
             AliasTable::new(&areas).ok().map(AreaSampling::Triangles)
         });
+    }
+
+    /// Makes points of a light that shows a picture follow it, once the mesh is ready to be a light.
+    pub fn follow(&mut self, glow: Glow<'_>) {
+        let following = match self.parallelogram() {
+            Some(parallelogram) => picture::Slide::new(parallelogram, glow)
+                .map(|slide| AreaSampling::Slide(Box::new(slide))),
+            None => picture::Mosaic::new(self, glow).map(AreaSampling::Mosaic),
+        };
+        self.sampling = following.or(self.sampling.take());
+    }
+
+    /// The density per area with which [`Self::sample_area`] chooses a point of the surface.
+    #[inline]
+    #[must_use]
+    pub fn pdf_area(&self, surface: &SurfaceInteraction) -> f32 {
+        match &self.sampling {
+            Some(AreaSampling::Slide(slide)) => slide.pdf(surface.uv),
+            Some(AreaSampling::Mosaic(mosaic)) => mosaic.pdf(surface.primitive),
+            _ => 1.0 / self.area,
+        }
     }
 
     /// The mesh as a parallelogram (a, b, c, d), if it is two triangles (a, b, c) and (a, c, d) of
@@ -304,12 +334,14 @@ impl Mesh {
         (uv, (dp_du.is_finite() && dp_dv.is_finite()).then_some((dp_du, dp_dv)))
     }
 
-    /// A point uniform in area; `None` where the mesh has none or was not made ready.
+    /// A point, uniform in area unless it follows a picture; `None` where the mesh has none or was not made ready.
     #[inline(always)]
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
         match self.sampling.as_ref()? {
             AreaSampling::Parallelogram(parallelogram) => Some(parallelogram.sample(random)),
+            AreaSampling::Slide(slide) => Some(slide.sample(random)),
+            AreaSampling::Mosaic(mosaic) => Some(mosaic.sample(self, random)),
             AreaSampling::Triangles(table) => {
                 let (choice, y) = choose_triangle(table, random);
                 let barycentric = warp::uniform_triangle::sample(Vec2::new(choice.rest, y));

@@ -90,6 +90,18 @@ pub struct ShapeSample {
 }
 
 impl ShapeSample {
+    /// What textures ask about the point, seen along `wi`, which points away from it.
+    #[must_use]
+    pub fn interaction(&self, shape: ShapeId, wi: Vec3) -> SurfaceInteraction {
+        let shading = Frame::from_normal(self.shading_normal);
+        SurfaceInteraction {
+            point: self.point,
+            wi: shading.to_local(wi),
+            shape,
+            ..SurfaceInteraction::at_uv(self.uv, shading)
+        }
+    }
+
     /// The same point with its density per area turned into one per solid angle seen from
     /// `reference`; `None` where the surface is seen edge-on or the points coincide.
     #[inline(always)]
@@ -218,9 +230,13 @@ impl Shape {
             Geometry::Sphere(sphere) => {
                 sphere.pdf_direction(reference, surface.point, surface.normal)
             }
-            _ => {
+            geometry => {
+                let pdf = match geometry {
+                    Geometry::Mesh(mesh) => mesh.pdf_area(surface),
+                    _ => 1.0 / self.area(),
+                };
                 let path = surface.point - reference;
-                area_to_solid_angle(1.0 / self.area(), path, surface.normal).unwrap_or(0.0)
+                area_to_solid_angle(pdf, path, surface.normal).unwrap_or(0.0)
             }
         }
     }

@@ -17,9 +17,14 @@ pub const MANUAL: Manual = Manual {
             "color0",
             "spectrum or texture",
             "0.4",
-            "The colour where one of u and v is in the upper half of its interval.",
+            "The colour of the square that holds (0, 0).",
         ),
-        parameter("color1", "spectrum or texture", "0.2", "The other colour, which holds (0, 0)."),
+        parameter(
+            "color1",
+            "spectrum or texture",
+            "0.2",
+            "The other colour, where one of u and v is in the upper half of its interval.",
+        ),
         parameter("to_uv", "transform", "", "Applied to texture coordinates; a scale repeats."),
     ],
     sample: r#"<texture type="checkerboard">
@@ -64,7 +69,7 @@ impl Checkerboard {
 /// Which of the colours a point has.
 fn square(uv: Vec2) -> usize {
     let place = uv - uv.floor();
-    usize::from((place.x > 0.5) == (place.y > 0.5))
+    usize::from((place.x > 0.5) != (place.y > 0.5))
 }
 
 #[cfg(test)]
@@ -79,16 +84,16 @@ mod tests {
     #[test]
     fn squares_are_where_mitsuba_has_them() {
         let cases = [
-            ((0.25, 0.25), 1),
-            ((0.75, 0.25), 0),
-            ((0.25, 0.75), 0),
-            ((0.75, 0.75), 1),
-            ((-0.25, 0.25), 0),
-            ((-0.25, -0.25), 1),
-            ((0.0, 0.0), 1),
-            ((0.5, 0.5), 1),
-            ((0.5, 0.25), 1),
-            ((1.25, 0.25), 1),
+            ((0.25, 0.25), 0),
+            ((0.75, 0.25), 1),
+            ((0.25, 0.75), 1),
+            ((0.75, 0.75), 0),
+            ((-0.25, 0.25), 1),
+            ((-0.25, -0.25), 0),
+            ((0.0, 0.0), 0),
+            ((0.5, 0.5), 0),
+            ((0.5, 0.25), 0),
+            ((1.25, 0.25), 0),
         ];
         for ((u, v), expected) in cases {
             assert_eq!(square(Vec2::new(u, v)), expected, "({u}, {v})");
@@ -113,8 +118,8 @@ mod tests {
             let frame = Frame::from_normal(Vec3::Z);
             texture.eval(none, &SurfaceInteraction::at_uv(Vec2::new(u, v), frame)).rgb()
         };
-        assert_eq!((at(0.1, 0.1), at(0.1, 0.2)), ([0.2; 3], [0.9; 3]), "as in Mitsuba");
-        assert_eq!((at(0.25, 0.25), at(0.3, 0.25)), ([0.2; 3], [0.9; 3]));
+        assert_eq!((at(0.1, 0.1), at(0.1, 0.2)), ([0.9; 3], [0.2; 3]), "as in Mitsuba");
+        assert_eq!((at(0.25, 0.25), at(0.3, 0.25)), ([0.9; 3], [0.2; 3]));
         assert!((texture.mean(none).luminance() - 0.55).abs() < 1e-6);
     }
 }

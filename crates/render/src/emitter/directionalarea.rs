@@ -1,0 +1,42 @@
+//! `directionalarea`: a shape that shines straight ahead only.
+
+use crate::builder::Builder;
+use crate::ids::ShapeId;
+use crate::manual::{Manual, parameter};
+use crate::texture::ColorSource;
+use etendue_document::Parameters;
+use etendue_spectrum::SpectrumUse;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Makes the shape that it is nested in a light whose every point shines along the surface's \
+              normal alone. No path from the camera finds such light by chance, and none can aim for \
+              it: only `ptracer` shows it.",
+    parameters: &[parameter(
+        "radiance",
+        "spectrum or texture",
+        "1",
+        "Radiant exitance: power that leaves the surface per area, W·m⁻².",
+    )],
+    sample: r#"<shape type="rectangle"><emitter type="directionalarea"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
+};
+
+/// A shape that shines straight ahead only.
+#[derive(Clone, Debug)]
+pub struct DirectionalArea {
+    /// The shape.
+    pub(super) shape: ShapeId,
+    /// Power per area.
+    pub(super) exitance: ColorSource,
+}
+
+/// Reads the emitter of `shape`.
+#[must_use]
+pub fn build(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    shape: ShapeId,
+) -> DirectionalArea {
+    let exitance = builder.color(parameters, "radiance", 1.0, SpectrumUse::Emission);
+    DirectionalArea { shape, exitance }
+}

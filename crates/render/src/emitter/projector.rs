@@ -1,0 +1,100 @@
+//! `projector`: a point that throws a picture.
+
+use super::DirectionSample;
+use super::point::point_sample;
+use crate::builder::{Builder, read_transform};
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, parameter};
+use crate::scene::Scene;
+use crate::sensor::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
+use crate::texture::{ColorSource, Texture, Textures};
+use etendue_document::Parameters;
+use etendue_math::{Frame, Transform};
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A slide projector: the reverse of a pinhole camera. It stands at the origin of its own \
+              space and throws a picture along +z, with +y up; the picture's own shape is that of the \
+              beam.",
+    parameters: &[
+        parameter(
+            "irradiance",
+            "spectrum or texture",
+            "1",
+            "The picture: what a white screen at distance one shows, W·m⁻²·sr⁻¹. As in Mitsuba, whose \
+             page calls it irradiance, that is the irradiance over π.",
+        ),
+        parameter("scale", "float", "1", "A factor on it."),
+        parameter("to_world", "transform", "", "Placement, usually a `lookat`."),
+        FOV,
+        FOV_AXIS,
+        FOCAL_LENGTH,
+    ],
+    sample: r#"<emitter type="projector">
+    <texture name="irradiance" type="bitmap"><string name="filename" value="wood.png"/></texture>
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, 1"/></transform>
+</emitter>"#,
+};
+
+/// A slide projector.
+#[derive(Clone, Debug)]
+pub struct Projector {
+    pub(super) to_world: Transform,
+    irradiance: ColorSource,
+    scale: f32,
+    /// Half the width and height of the picture at distance one.
+    pub(super) half_size: Vec2,
+}
+
+/// Reads a projector.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Projector> {
+    let irradiance = builder.color(parameters, "irradiance", 1.0, SpectrumUse::Emission);
+    let [width, height] = match irradiance {
+        ColorSource::Constant(_) => [1, 1],
+        ColorSource::Texture(id) => match &builder.textures[id.index()] {
+            Texture::Bitmap(picture) => picture.resolution(),
+            _ => [1, 1],
+        },
+    };
+    let half_size = read_half_size(parameters, f64::from(width) / f64::from(height));
+    let scale = parameters.float_in("scale", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
+    let to_world = read_transform(parameters, "to_world")?;
+    Some(Projector { to_world, irradiance, scale, half_size: half_size?.as_vec2() })
+}
+
+impl Projector {
+    pub(super) fn sample_direction(
+        &self,
+        scene: &Scene,
+        reference: Vec3,
+    ) -> Option<DirectionSample> {
+        let local = self.to_world.inverse_point(reference).try_normalize()?;
+        let place = self.place(local)?;
+        let intensity = self.picture(scene.textures(), place) / local.z.powi(3);
+        if intensity.is_black() {
+            return None;
+        }
+        point_sample(self.to_world.point(Vec3::ZERO), intensity, reference)
+    }
+
+    /// Where in the picture a unit direction of the projector's space passes, if it does.
+    ///
+    /// A screen at distance z has the irradiance E/z². At an angle θ from the axis it is r = z/cosθ
+    /// away and tilted by θ, so the intensity is E r²/(z² cosθ) = E/cos³θ.
+    fn place(&self, local: Vec3) -> Option<Vec2> {
+        let place = 0.5 - local.truncate() / (local.z * self.half_size) * 0.5;
+        let inside = place.cmpge(Vec2::ZERO).all() && place.cmple(Vec2::ONE).all();
+        (local.z > 0.0 && inside).then_some(place)
+    }
+
+    /// The irradiance at distance one: a white diffuse screen sends back 1/π of it.
+    pub(super) fn picture(&self, textures: Textures<'_>, place: Vec2) -> Spectrum {
+        let surface = SurfaceInteraction::at_uv(place, Frame::from_normal(Vec3::Z));
+        self.irradiance.eval(textures, &surface) * (self.scale * PI)
+    }
+}
