@@ -62,6 +62,7 @@ pub static BSDFS: &[Plugin<BuildMaterial>] = &[
     plugin("diffuse", &bsdf::diffuse::MANUAL, |b, p| {
         bsdf::diffuse::build(b, p).map(Material::Diffuse)
     }),
+    plugin("hair", &bsdf::hair::MANUAL, |b, p| bsdf::hair::build(b, p).map(Material::Hair)),
     plugin("mask", &bsdf::mask::MANUAL, |b, p| bsdf::mask::build(b, p).map(Material::Mask)),
     plugin("normalmap", &bsdf::normalmap::MANUAL, |b, p| {
         bsdf::normalmap::build(b, p).map(Material::NormalMap)

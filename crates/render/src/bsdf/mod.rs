@@ -24,6 +24,7 @@ pub mod diffuse;
 mod disney;
 mod erf;
 pub mod fresnel;
+pub mod hair;
 mod inputs;
 pub mod mask;
 pub mod microfacet;

@@ -1,8 +1,8 @@
 //! From a material and a hit to a resolved [`Bsdf`].
 
 use super::{
-    BsdfSample, Closure, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric, diffuse, mask,
-    normalmap, null, plastic, principled, principledthin, roughconductor, roughdielectric,
+    BsdfSample, Closure, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric, diffuse, hair,
+    mask, normalmap, null, plastic, principled, principledthin, roughconductor, roughdielectric,
     roughdiffuse, roughplastic, thindielectric, twosided,
 };
 use crate::ids::MaterialId;
@@ -114,6 +114,8 @@ materials! {
         Principled: principled::Principled => principled::PrincipledClosure,
         /// Disney's material for sheets.
         PrincipledThin: principledthin::PrincipledThin => principledthin::PrincipledThinClosure,
+        /// Hair and fur.
+        Hair: hair::Hair => hair::HairClosure<'a>,
         /// No surface at all.
         Null: null::Null => null::NullClosure,
     }

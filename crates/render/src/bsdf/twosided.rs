@@ -56,6 +56,7 @@ fn transmits(materials: &[Material], id: MaterialId) -> bool {
         | Material::RoughDielectric(_)
         | Material::ThinDielectric(_)
         | Material::PrincipledThin(_)
+        | Material::Hair(_)
         | Material::Null(_)
         | Material::Mask(_) => true,
         Material::Principled(material) => material.transmits(),

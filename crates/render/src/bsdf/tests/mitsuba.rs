@@ -51,6 +51,8 @@ fn compare_eval(material: &TestMaterial, xml: &str, numbers: &[f32]) -> Option<S
         _ if xml.contains("\"plastic\"") => 2e-3,
         // Both integrate over the normals, with different numbers of nodes.
         _ if xml.contains("\"roughplastic\"") => 1e-3,
+        // Mitsuba's series for the Bessel function is cut off: its lobes lose up to 0.5 % by that.
+        _ if xml.contains("\"hair\"") => 5e-3,
         _ => RELATIVE,
     };
     // Where normals are Beckmann's, Mitsuba's density holds the fit of the masking (0.35 %).
