@@ -158,6 +158,9 @@ pub static EMITTERS: &[Plugin<BuildEmitter>] = &[
         emitter::projector::build(b, p).map(Emitter::Projector)
     }),
     plugin("spot", &emitter::spot::MANUAL, |b, p| emitter::spot::build(b, p).map(Emitter::Spot)),
+    plugin("sunsky", &emitter::sunsky::MANUAL, |b, p| {
+        emitter::sunsky::build(b, p).map(Box::new).map(Emitter::SunSky)
+    }),
 ];
 
 /// The emitters that are nested in a shape: their names and pages.

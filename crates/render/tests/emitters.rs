@@ -64,7 +64,7 @@ fn traced_pdf(scene: &Scene, direction: Vec3) -> f32 {
     }
 }
 
-const HITTABLE: [(&str, &str); 11] = [
+const HITTABLE: [(&str, &str); 12] = [
     (
         "sphere from outside",
         r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#,
@@ -102,6 +102,10 @@ const HITTABLE: [(&str, &str); 11] = [
         r#"<shape type="cube"><boolean name="flip_normals" value="true"/><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="sky.exr"/><transform name="to_uv"><scale value="2"/></transform></texture></emitter></shape>"#,
     ),
     ("constant", r#"<emitter type="constant"/>"#),
+    (
+        "sky with a large sun",
+        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/><float name="sun_aperture" value="30"/><transform name="to_world"><rotate x="1" angle="30"/></transform></emitter>"#,
+    ),
     (
         "envmap",
         r#"<emitter type="envmap"><string name="filename" value="sky.exr"/><transform name="to_world"><rotate x="1" y="2" z="0.5" angle="40"/></transform></emitter>"#,
@@ -273,6 +277,7 @@ fn light_that_leaves_arrives() {
         r#"<emitter type="directional"><vector name="direction" x="0.2" y="0.1" z="-1"/></emitter>"#.to_owned(),
         r#"<emitter type="constant"/>"#.to_owned(),
         r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#.to_owned(),
+        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/></emitter>"#.to_owned(),
         format!(r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="170"/><translate z="1"/></transform><emitter type="area"><texture name="radiance" {picture}</emitter></shape>"#),
         r#"<shape type="sphere"><point name="center" x="0" y="0" z="1"/><emitter type="area"/></shape>"#.to_owned(),
     ];

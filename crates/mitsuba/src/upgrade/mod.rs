@@ -7,6 +7,7 @@
 
 mod approximation;
 mod bsdf;
+mod emitter;
 mod integrator;
 mod names;
 mod sensor;
@@ -41,6 +42,10 @@ pub(crate) fn upgrade(
             Class::Integrator => integrator::upgrade(nodes, index, &mut approximations),
             Class::Sensor => sensor::upgrade(&mut nodes[index], diagnostics),
             Class::Texture => texture::upgrade(&mut nodes[index], &mut approximations),
+            Class::Emitter => {
+                let is_old = versions.get(&nodes[index].span.source) == Some(&0);
+                emitter::upgrade(&mut nodes[index], is_old);
+            }
             Class::Bsdf => bsdf::upgrade(nodes, index, &mut approximations),
             _ => {}
         }

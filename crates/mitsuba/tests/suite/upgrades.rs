@@ -283,3 +283,25 @@ fn a_conductor_of_which_nothing_is_said_is_copper_in_old_scenes_only() {
     let eta = material("0.6.0", "<rgb name='eta' value='1'/>");
     assert_eq!(eta, Some(Value::Rgb(DVec3::ONE)));
 }
+
+#[test]
+fn the_sky_and_the_sun_of_version_0_6_become_one_plugin() {
+    let document = clean(
+        "<emitter type='sky'><float name='scale' value='2'/><integer name='resolution' value='9'/>
+            <vector name='sunDirection' x='0' y='1' z='0'/></emitter>
+         <emitter type='sun'><float name='sunRadiusScale' value='2'/>
+            <rgb name='albedo' value='0.5'/></emitter>",
+    );
+    let (sky, sun) = (object(&document, 0), object(&document, 1));
+    assert_eq!((&*sky.plugin, &*sun.plugin), ("sunsky", "sunsky"));
+    assert_eq!(value(sky, "sky_scale"), &Value::Float(2.0));
+    assert_eq!(value(sky, "sun_scale"), &Value::Float(0.0));
+    assert_eq!(value(sun, "sky_scale"), &Value::Float(0.0));
+    assert_eq!(value(sun, "sun_aperture"), &Value::Float(2.0 * 0.5358));
+    assert_eq!(value(sky, "albedo"), &Value::Float(0.15), "the default of that version");
+    assert_eq!(value(sun, "albedo"), &Value::Rgb(DVec3::splat(0.5)));
+    let Value::Transform(to_world) = value(sky, "to_world") else { panic!("a transform") };
+    assert_eq!(to_world.transform_vector3(DVec3::Z), DVec3::Y, "up");
+    assert_eq!(to_world.transform_vector3(DVec3::NEG_X), DVec3::NEG_Z, "north");
+    assert!(!names(sky).contains(&"resolution"));
+}

@@ -16,6 +16,7 @@ pub mod leaving;
 pub mod point;
 pub mod projector;
 pub mod spot;
+pub mod sunsky;
 
 use crate::interaction::SurfaceInteraction;
 use crate::scene::Scene;
@@ -42,6 +43,8 @@ pub enum Emitter {
     Constant(constant::Constant),
     /// A picture of the surroundings.
     Environment(envmap::EnvironmentMap),
+    /// The sky and the sun.
+    SunSky(Box<sunsky::SunSky>),
 }
 
 /// Where a shadow ray goes.
@@ -116,6 +119,7 @@ impl Emitter {
             Self::Projector(emitter) => emitter.sample_direction(scene, reference),
             Self::Constant(emitter) => Some(emitter.sample_direction(random)),
             Self::Environment(emitter) => emitter.sample_direction(random),
+            Self::SunSky(emitter) => emitter.sample_direction(random),
         }
     }
 
@@ -136,6 +140,7 @@ impl Emitter {
             }
             (Self::Constant(emitter), _) => emitter.pdf_direction(),
             (Self::Environment(emitter), _) => emitter.pdf_direction(direction),
+            (Self::SunSky(emitter), _) => emitter.pdf_direction(direction),
             _ => 0.0,
         }
     }
@@ -157,6 +162,7 @@ impl Emitter {
         match self {
             Self::Constant(emitter) => emitter.radiance(),
             Self::Environment(emitter) => emitter.radiance(direction),
+            Self::SunSky(emitter) => emitter.radiance(direction),
             _ => Spectrum::ZERO,
         }
     }
@@ -164,7 +170,7 @@ impl Emitter {
     /// Whether rays that leave the scene find this emitter.
     #[must_use]
     pub fn is_environment(&self) -> bool {
-        matches!(self, Self::Constant(_) | Self::Environment(_))
+        matches!(self, Self::Constant(_) | Self::Environment(_) | Self::SunSky(_))
     }
 
     /// The name of the emitter's kind.
@@ -179,6 +185,7 @@ impl Emitter {
             Self::Projector(_) => "projector",
             Self::Constant(_) => "constant",
             Self::Environment(_) => "envmap",
+            Self::SunSky(_) => "sunsky",
         }
     }
 }

@@ -1,0 +1,61 @@
+//! Emitters: version 0.6's `sky`, `sun` and `sunsky` are one `sunsky` now, whose up is +z.
+
+use etendue_document::{Node, Parameter, Value};
+use glam::{DMat4, DVec4};
+
+use super::{find, number, take};
+
+/// The sky's own space in that of version 0.6, whose up is +y, with the north at −z and the east at +x.
+/// Version 3 has up +z, the south at +x and the west at +y.
+const UP: DMat4 = DMat4::from_cols(
+    DVec4::new(0.0, 0.0, 1.0, 0.0),
+    DVec4::new(-1.0, 0.0, 0.0, 0.0),
+    DVec4::new(0.0, 1.0, 0.0, 0.0),
+    DVec4::W,
+);
+/// The ground's albedo where version 0.6 is not told.
+const ALBEDO: f64 = 0.15;
+/// The angle that the sun takes, in degrees.
+const APERTURE: f64 = 0.5358;
+/// A sun without a size is given this share of its own: it cannot be a point.
+const LEAST_RADIUS: f64 = 0.01;
+/// What steered how version 0.6 turned its sky into a picture.
+const WITHOUT_MEANING: [&str; 3] = ["resolution", "stretch", "sampling_weight"];
+
+/// Upgrades an emitter; `is_old` where its file is of version 0.x.
+pub(super) fn upgrade(node: &mut Node, is_old: bool) {
+    let (own_scale, other_scale) = match node.plugin.as_str() {
+        "sky" => ("sky_scale", Some("sun_scale")),
+        "sun" => ("sun_scale", Some("sky_scale")),
+        "sunsky" if is_old => ("scale", None),
+        _ => return,
+    };
+    node.plugin = "sunsky".to_owned();
+    for scale in node.parameters.iter_mut().filter(|parameter| parameter.name == "scale") {
+        own_scale.clone_into(&mut scale.name);
+    }
+    if let Some(other_scale) = other_scale {
+        set(node, other_scale, Value::Float(0.0));
+    }
+    for name in WITHOUT_MEANING {
+        take(node, name);
+    }
+    if let Some(radius) = take(node, "sun_radius_scale").and_then(|p| number(&p.value)) {
+        set(node, "sun_aperture", Value::Float(APERTURE * radius.max(LEAST_RADIUS)));
+    }
+    if find(node, "albedo").is_none() {
+        set(node, "albedo", Value::Float(ALBEDO));
+    }
+    let to_world = match find(node, "to_world").map(|parameter| &parameter.value) {
+        Some(Value::Transform(matrix)) => *matrix,
+        _ => DMat4::IDENTITY,
+    };
+    set(node, "to_world", Value::Transform(to_world * UP));
+}
+
+/// Gives a parameter a value, at the place of the parameter that it replaces or of the node.
+fn set(node: &mut Node, name: &str, value: Value) {
+    let span = take(node, name).map_or(node.span, |old| old.span);
+    let (name, original_name) = (name.to_owned(), name.to_owned());
+    node.parameters.push(Parameter { name, original_name, value, span });
+}
