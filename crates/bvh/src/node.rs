@@ -25,6 +25,9 @@ const _: () = assert!(size_of::<Node>() == 256);
 
 /// What a slot of a node holds, in one word: another node, a block of triangles, or up to
 /// [`Child::MAX_CUSTOM`] user primitives and instances.
+///
+/// Nodes and blocks are named by their distance from the first, in units of 8 and 32 bytes, because
+/// the multiplication of an index would be on the longest chain of a traversal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub(crate) struct Child(pub(crate) u32);
@@ -44,11 +47,15 @@ impl Child {
     const LEAF: u32 = 1 << 31;
     const CUSTOM: u32 = 1 << 30;
     const COUNT_SHIFT: u32 = 27;
+    const NODE_UNIT: usize = 8;
+    const BLOCK_UNIT: usize = 32;
+    const NODE_UNITS: usize = size_of::<Node>() / Self::NODE_UNIT;
+    const BLOCK_UNITS: usize = size_of::<TriangleBlock>() / Self::BLOCK_UNIT;
 
     /// No more nodes than this.
-    pub(crate) const MAX_NODES: usize = 1 << 31;
+    pub(crate) const MAX_NODES: usize = (1 << 31) / Self::NODE_UNITS;
     /// No more blocks than this.
-    pub(crate) const MAX_BLOCKS: usize = 1 << 30;
+    pub(crate) const MAX_BLOCKS: usize = (1 << 30) / Self::BLOCK_UNITS;
     /// No more custom entries than this.
     pub(crate) const MAX_CUSTOM_ENTRIES: usize = 1 << Self::COUNT_SHIFT;
     /// No more custom entries in one leaf than this.
@@ -57,14 +64,17 @@ impl Child {
     /// An empty slot: a custom leaf without entries, harmless if visited.
     pub(crate) const EMPTY: Self = Self(Self::LEAF | Self::CUSTOM);
 
+    /// No child: what lies below all that wait, and ends a traversal.
+    pub(crate) const END: Self = Self(Self::LEAF | Self::CUSTOM | 7 << Self::COUNT_SHIFT);
+
     pub(crate) fn node(index: usize) -> Self {
         debug_assert!(index < Self::MAX_NODES);
-        Self(index as u32)
+        Self((index * Self::NODE_UNITS) as u32)
     }
 
     pub(crate) fn block(index: usize) -> Self {
         debug_assert!(index < Self::MAX_BLOCKS);
-        Self(Self::LEAF | index as u32)
+        Self(Self::LEAF | (index * Self::BLOCK_UNITS) as u32)
     }
 
     pub(crate) fn custom(first: usize, count: usize) -> Self {
@@ -78,11 +88,33 @@ impl Child {
     }
 
     #[inline(always)]
+    pub(crate) fn is_block(self) -> bool {
+        self.0 & (Self::LEAF | Self::CUSTOM) == Self::LEAF
+    }
+
+    /// The distance of a node from the first in bytes.
+    #[inline(always)]
+    pub(crate) fn node_offset(self) -> usize {
+        self.0 as usize * Self::NODE_UNIT
+    }
+
+    /// The block.
+    ///
+    /// # Safety
+    ///
+    /// `self` must have been made for one of `blocks`.
+    #[inline(always)]
+    pub(crate) unsafe fn block_of(self, blocks: &[TriangleBlock]) -> &TriangleBlock {
+        let offset = (self.0 & !Self::LEAF) as usize * Self::BLOCK_UNIT;
+        // SAFETY: `Child::block` has made the distance of a block of the slice, says the caller.
+        unsafe { &*blocks.as_ptr().cast::<u8>().add(offset).cast::<TriangleBlock>() }
+    }
+
     pub(crate) fn kind(self) -> ChildKind {
         if self.is_node() {
-            ChildKind::Node(self.0 as usize)
+            ChildKind::Node(self.0 as usize / Self::NODE_UNITS)
         } else if self.0 & Self::CUSTOM == 0 {
-            ChildKind::Block((self.0 & !Self::LEAF) as usize)
+            ChildKind::Block((self.0 & !Self::LEAF) as usize / Self::BLOCK_UNITS)
         } else {
             ChildKind::Custom {
                 first: (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize,
@@ -93,6 +125,13 @@ impl Child {
 }
 
 impl Node {
+    /// The children as plain words.
+    #[inline(always)]
+    pub(crate) fn words(&self) -> &[u32; WIDTH] {
+        // SAFETY: `Child` is a `u32` by its representation.
+        unsafe { &*(&raw const self.children).cast() }
+    }
+
     /// A node without children.
     pub(crate) const EMPTY: Self = {
         let (least, greatest) = (Lanes([f32::INFINITY; WIDTH]), Lanes([f32::NEG_INFINITY; WIDTH]));
@@ -135,6 +174,7 @@ pub(crate) struct TriangleBlock {
 }
 
 const _: () = assert!(size_of::<TriangleBlock>() == 352);
+const _: () = assert!(size_of::<TriangleBlock>().is_multiple_of(Child::BLOCK_UNIT));
 
 impl TriangleBlock {
     /// A block of zeros.

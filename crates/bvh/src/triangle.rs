@@ -19,35 +19,37 @@ use crate::node::{Lanes, TriangleBlock, WIDTH};
 use crate::simd::Simd;
 use crate::traverse::ray::RayConstants;
 
-/// The lanes of a block that are hit. The division of `v` and `w` by the determinant is left to
-/// the end of the traversal.
-pub(crate) struct BlockHits {
+/// What single precision leaves open of some lanes, decided in double precision.
+pub(crate) struct Resolved {
     /// A bit for each lane that is hit with `0 < t ≤ t_max`.
     pub(crate) mask: u32,
     /// The distance of each lane.
     pub(crate) t: Lanes,
-    /// The edge function opposite to vertex 1.
+    /// The edge function opposite to vertex 1, over the sum of the three.
     pub(crate) v: Lanes,
-    /// The edge function opposite to vertex 2.
+    /// The edge function opposite to vertex 2, over the sum of the three.
     pub(crate) w: Lanes,
-    /// The sum of the three edge functions.
-    pub(crate) determinant: Lanes,
 }
 
 /// Two coordinates across the ray and the distance along it, for eight vertices.
 type Sheared<S> = [<S as Simd>::Vector; 3];
 
-/// A block of which some lane may be hit.
+/// A block of which some lane may be hit. The division of `v` and `w` by the determinant is left
+/// to the end of the traversal.
 pub(crate) struct Candidates<S: Simd> {
-    /// The lanes that are hit for certain.
-    mask: u32,
+    /// A bit for each lane that is hit for certain with `0 < t ≤ t_max`.
+    pub(crate) mask: u32,
     /// The lanes that single precision cannot decide.
-    doubtful: u32,
+    pub(crate) doubtful: u32,
+    /// The distance of each lane.
+    pub(crate) t: S::Vector,
+    /// The edge function opposite to vertex 1.
+    pub(crate) v: S::Vector,
+    /// The edge function opposite to vertex 2.
+    pub(crate) w: S::Vector,
+    /// The sum of the three edge functions.
+    pub(crate) determinant: S::Vector,
     vertices: [Sheared<S>; 3],
-    t: S::Vector,
-    v: S::Vector,
-    w: S::Vector,
-    determinant: S::Vector,
 }
 
 /// Below this determinant the edge functions lose digits, or all, to underflow.
@@ -100,47 +102,15 @@ impl<S: Simd> Candidates<S> {
     /// Whether any lane is hit.
     #[inline(always)]
     pub(crate) fn any(&self, t_max: f32) -> bool {
-        self.mask != 0
-            || (self.doubtful != 0 && resolve(self.doubtful, &self.vertices(), t_max).mask != 0)
+        self.mask != 0 || (self.doubtful != 0 && self.resolve(t_max).mask != 0)
     }
 
-    /// The lanes that are hit, if there are any.
+    /// Decides the doubtful lanes.
     #[inline(always)]
-    pub(crate) fn hits(&self, t_max: f32) -> Option<BlockHits> {
-        if self.mask | self.doubtful == 0 {
-            return None;
-        }
-        let mut hits = BlockHits {
-            mask: self.mask,
-            t: S::store(self.t),
-            v: S::store(self.v),
-            w: S::store(self.w),
-            determinant: S::store(self.determinant),
-        };
-        if self.doubtful != 0 {
-            hits.merge(&resolve(self.doubtful, &self.vertices(), t_max));
-        }
-        Some(hits)
-    }
-
-    #[inline(always)]
-    fn vertices(&self) -> [[Lanes; 3]; 3] {
+    pub(crate) fn resolve(&self, t_max: f32) -> Resolved {
         let store = |v: &Sheared<S>| [S::store(v[0]), S::store(v[1]), S::store(v[2])];
-        [store(&self.vertices[0]), store(&self.vertices[1]), store(&self.vertices[2])]
-    }
-}
-
-impl BlockHits {
-    /// Adds the lanes of another.
-    #[cold]
-    fn merge(&mut self, other: &Self) {
-        for lane in (0..WIDTH).filter(|lane| other.mask >> lane & 1 != 0) {
-            self.t.0[lane] = other.t.0[lane];
-            self.v.0[lane] = other.v.0[lane];
-            self.w.0[lane] = other.w.0[lane];
-            self.determinant.0[lane] = other.determinant.0[lane];
-        }
-        self.mask |= other.mask;
+        let [a, b, c] = &self.vertices;
+        resolve(self.doubtful, &[store(a), store(b), store(c)], t_max)
     }
 }
 
@@ -165,9 +135,9 @@ fn edge_function<S: Simd>(p: &Sheared<S>, q: &Sheared<S>) -> S::Vector {
 /// coordinates are so large or small that products leave the range of `f32`.
 #[cold]
 #[inline(never)]
-fn resolve(doubtful: u32, vertices: &[[Lanes; 3]; 3], t_max: f32) -> BlockHits {
+fn resolve(doubtful: u32, vertices: &[[Lanes; 3]; 3], t_max: f32) -> Resolved {
     let none = Lanes([0.0; WIDTH]);
-    let mut hits = BlockHits { mask: 0, t: none, v: none, w: none, determinant: none };
+    let mut hits = Resolved { mask: 0, t: none, v: none, w: none };
     for lane in (0..WIDTH).filter(|lane| doubtful >> lane & 1 != 0) {
         let [a, b, c] = [0, 1, 2].map(|k| vertices[k].each_ref().map(|x| f64::from(x.0[lane])));
         let edge_function = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
@@ -180,7 +150,6 @@ fn resolve(doubtful: u32, vertices: &[[Lanes; 3]; 3], t_max: f32) -> BlockHits {
             hits.t.0[lane] = t;
             hits.v.0[lane] = (v / determinant) as f32;
             hits.w.0[lane] = (w / determinant) as f32;
-            hits.determinant.0[lane] = 1.0;
         }
     }
     hits

@@ -3,7 +3,7 @@
 //! The functions here are always inlined into callers that are compiled for AVX2 (the entry points
 //! of `traverse`), and have no place elsewhere: [`Avx2`] is named only there.
 
-use super::Simd;
+use super::{PLACES, Simd};
 use crate::node::Lanes;
 use std::arch::x86_64::*;
 
@@ -95,5 +95,15 @@ impl Simd for Avx2 {
             _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
             _mm256_cmp_ps::<_CMP_LT_OQ>(c, d),
         )) as u32)
+    }
+
+    #[inline(always)]
+    unsafe fn compress(words: &[u32; 8], mask: u32, to: *mut u32) {
+        let places = PLACES[mask as usize & 0xff].as_ptr();
+        intrinsics!({
+            let places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(places.cast()));
+            let words = _mm256_loadu_si256(words.as_ptr().cast());
+            _mm256_storeu_si256(to.cast(), _mm256_permutevar8x32_epi32(words, places));
+        });
     }
 }

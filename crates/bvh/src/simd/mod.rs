@@ -4,7 +4,7 @@
 pub(crate) mod avx2;
 pub(crate) mod portable;
 
-use crate::node::Lanes;
+use crate::node::{Lanes, WIDTH};
 
 /// Which instructions the traversal uses. The hits do not depend on it.
 ///
@@ -79,6 +79,31 @@ pub(crate) trait Simd {
     fn less(a: Self::Vector, b: Self::Vector) -> u32;
     /// Where `a ≤ b`.
     fn less_equal(a: Self::Vector, b: Self::Vector) -> u32;
+    /// Writes those of eight words that the mask names, in order, to eight words from `to` on; what
+    /// the others become is not said.
+    ///
+    /// # Safety
+    ///
+    /// There must be room for eight words at `to`.
+    unsafe fn compress(words: &[u32; WIDTH], mask: u32, to: *mut u32);
     /// Where `a < b` and `c < d`.
     fn both_less(a: Self::Vector, b: Self::Vector, c: Self::Vector, d: Self::Vector) -> u32;
 }
+
+/// For each set of lanes, their numbers in order; the rest is 0.
+pub(crate) static PLACES: [[u8; WIDTH]; 256] = {
+    let mut places = [[0; WIDTH]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < WIDTH {
+            if mask >> lane & 1 != 0 {
+                places[mask][count] = lane as u8;
+                count += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    places
+};

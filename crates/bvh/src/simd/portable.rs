@@ -1,6 +1,6 @@
 //! Eight lanes as an array: the tier of every machine, and the oracle of the others.
 
-use super::Simd;
+use super::{PLACES, Simd};
 use crate::node::{Lanes, WIDTH};
 
 /// The portable tier.
@@ -88,5 +88,14 @@ impl Simd for Portable {
     #[inline(always)]
     fn both_less(a: Self::Vector, b: Self::Vector, c: Self::Vector, d: Self::Vector) -> u32 {
         bits(|lane| (a[lane] < b[lane]) & (c[lane] < d[lane]))
+    }
+
+    #[inline(always)]
+    unsafe fn compress(words: &[u32; WIDTH], mask: u32, to: *mut u32) {
+        let places = &PLACES[mask as usize & 0xff];
+        for (lane, &place) in places.iter().enumerate() {
+            // SAFETY: the caller says that there is room for eight words.
+            unsafe { to.add(lane).write(words[place as usize & (WIDTH - 1)]) };
+        }
     }
 }

@@ -10,6 +10,11 @@ use crate::triangle::intersect_block;
 use etendue_math::Ray;
 use std::mem::MaybeUninit;
 
+/// The traversal. Children that are met are pushed without a branch on how many there are, unless
+/// it is one: nothing foretells their number for rays in any direction. That spared those rays a
+/// third of their wrong guesses, but where rays resemble each other the guess lets the processor
+/// run ahead of the box test, and so the cases of none and one keep their branches (shadow rays
+/// were a quarter slower without).
 #[inline(always)]
 pub(super) fn any<S: Simd, P: Primitives>(
     bvh: &Bvh,
@@ -18,52 +23,52 @@ pub(super) fn any<S: Simd, P: Primitives>(
     instance: u32,
 ) -> bool {
     let Some(constants) = RayConstants::new(ray) else { return false };
-    let boxes = BoxConstants::<S>::new(ray, &constants);
+    let boxes = BoxConstants::<S>::new(ray, &constants, &bvh.nodes);
     // Hits count below the ray's end, and the test counts them up to its own.
     let t_max = f32::from_bits(ray.t_max.to_bits() - 1);
     let t_max_lanes = S::splat(t_max);
-    let mut stack = [MaybeUninit::<Child>::uninit(); STACK_SIZE];
-    let mut waiting = 0;
+    let mut stack = [MaybeUninit::<u32>::uninit(); STACK_SIZE];
+    let stack = stack.as_mut_ptr().cast::<u32>();
+    // SAFETY: the stack has room for one.
+    unsafe { stack.write(Child::END.0) };
+    let nodes = bvh.nodes.as_ptr();
+    let mut waiting = 1;
     let mut current = Child::node(0);
     loop {
         if current.is_node() {
+            let offset = current.node_offset();
             // SAFETY: the builder made as many nodes as it numbered.
-            let node = unsafe { bvh.nodes.get_unchecked(current.0 as usize) };
-            let (mut mask, _) = boxes.meet(node, t_max_lanes);
-            while mask != 0 {
-                let slot = mask.trailing_zeros() as usize & (WIDTH - 1);
-                mask &= mask - 1;
-                // SAFETY: the depth of the hierarchy keeps `waiting` below STACK_SIZE.
-                unsafe { stack.get_unchecked_mut(waiting) }.write(node.children[slot]);
-                waiting += 1;
+            let (node, (mask, _)) =
+                unsafe { (&*nodes.byte_add(offset), boxes.meet(offset, t_max_lanes)) };
+            if mask.is_power_of_two() {
+                current = node.children[mask.trailing_zeros() as usize & (WIDTH - 1)];
+                continue;
+            }
+            if mask != 0 {
+                // SAFETY: the depth of the hierarchy keeps `waiting` eight below STACK_SIZE.
+                unsafe { S::compress(node.words(), mask, stack.add(waiting)) };
+                current = node.children[mask.ilog2() as usize & (WIDTH - 1)];
+                waiting = waiting + mask.count_ones() as usize - 1;
+                continue;
             }
         } else {
-            let hit = match current.kind() {
-                ChildKind::Block(index) => {
-                    // SAFETY: the builder made as many blocks as it numbered.
-                    let block = unsafe { bvh.blocks.get_unchecked(index) };
-                    intersect_block::<S>(block, &constants, t_max)
-                        .is_some_and(|candidates| candidates.any(t_max))
-                }
-                ChildKind::Custom { first, count } => occludes_custom(
-                    bvh,
-                    primitives,
-                    &bvh.custom[first..first + count],
-                    ray,
-                    instance,
-                ),
-                ChildKind::Node(_) => false,
+            let hit = if current.is_block() {
+                // SAFETY: the builder made as many blocks as it numbered.
+                let block = unsafe { current.block_of(&bvh.blocks) };
+                intersect_block::<S>(block, &constants, t_max)
+                    .is_some_and(|candidates| candidates.any(t_max))
+            } else if current == Child::END {
+                return false;
+            } else {
+                occludes_custom(bvh, primitives, current, ray, instance)
             };
             if hit {
                 return true;
             }
         }
-        if waiting == 0 {
-            return false;
-        }
         waiting -= 1;
-        // SAFETY: entries below `waiting` have been written.
-        current = unsafe { stack.get_unchecked(waiting).assume_init() };
+        // SAFETY: entries below `waiting` have been written, and the lowest ends the traversal.
+        current = Child(unsafe { *stack.add(waiting) });
     }
 }
 
@@ -72,11 +77,12 @@ pub(super) fn any<S: Simd, P: Primitives>(
 fn occludes_custom<P: Primitives>(
     bvh: &Bvh,
     primitives: &P,
-    entries: &[Custom],
+    child: Child,
     ray: &Ray,
     instance: u32,
 ) -> bool {
-    entries.iter().any(|&entry| match entry {
+    let ChildKind::Custom { first, count } = child.kind() else { return false };
+    bvh.custom[first..first + count].iter().any(|&entry| match entry {
         Custom::User { geometry, primitive } if instance == u32::MAX => {
             primitives.occludes(geometry, primitive, ray)
         }

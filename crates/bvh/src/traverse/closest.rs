@@ -4,9 +4,9 @@ use super::STACK_SIZE;
 use super::ray::{BoxConstants, RayConstants};
 use crate::bvh::{Bvh, Hit};
 use crate::geometry::Primitives;
-use crate::node::{Child, ChildKind, Custom, TriangleBlock, WIDTH};
+use crate::node::{Child, ChildKind, Custom, Lanes, TriangleBlock, WIDTH};
 use crate::simd::Simd;
-use crate::triangle::{BlockHits, intersect_block};
+use crate::triangle::{Candidates, Resolved, intersect_block};
 use etendue_math::Ray;
 use std::mem::MaybeUninit;
 
@@ -25,50 +25,138 @@ fn distance(entry: Entry) -> f32 {
 }
 
 /// The nearest hit so far.
-struct Nearest {
-    /// The distance; hits count up to it, inclusive. `hit.t` is the same, if there is a hit.
+struct Nearest<'a> {
+    /// The distance; hits count up to it, inclusive.
     t_max: f32,
-    /// The hit, except that `u` and `v` are yet to be divided by the determinant.
-    hit: Hit,
-    determinant: f32,
+    /// What is hit.
+    found: Found<'a>,
+    /// What triangles are hit with: the edge functions and their sum, of all lanes of the block,
+    /// because storing registers is cheaper than picking from them. Only the last block's count.
+    v: Lanes,
+    w: Lanes,
+    determinant: Lanes,
+    instance: u32,
 }
 
-impl Nearest {
-    /// The `geometry` while there is none.
-    const NOTHING: u32 = u32::MAX;
+/// What is hit.
+#[derive(Clone, Copy)]
+enum Found<'a> {
+    Nothing,
+    /// A triangle.
+    Lane(&'a TriangleBlock, usize),
+    /// What a user primitive or an instance reported, in `Nearest::custom`.
+    Custom(Hit),
+}
 
+impl<'a> Nearest<'a> {
     #[inline(always)]
     fn new(t_max: f32, instance: u32) -> Self {
-        let nothing = Self::NOTHING;
-        let hit = Hit { t: 0.0, u: 0.0, v: 0.0, geometry: nothing, primitive: nothing, instance };
+        let none = Lanes([0.0; WIDTH]);
         // Distances are below the ray's own end, and up to that of a hit.
         let t_max = f32::from_bits(t_max.to_bits() - 1);
-        Self { t_max, hit, determinant: 1.0 }
+        Self { t_max, found: Found::Nothing, v: none, w: none, determinant: none, instance }
     }
 
-    /// Takes a hit that is nearer, or as near and of a lower number.
+    /// Takes the nearest of the lanes that were hit, all of them within `t_max`.
     #[inline(always)]
-    fn offer(&mut self, hit: Hit, determinant: f32) {
-        let rank = |hit: &Hit| (hit.instance, hit.geometry, hit.primitive);
-        if hit.t < self.t_max
-            || (hit.t == self.t_max
-                && (self.hit.geometry == Self::NOTHING || rank(&hit) < rank(&self.hit)))
-        {
+    fn take<S: Simd>(&mut self, block: &'a TriangleBlock, candidates: &Candidates<S>) {
+        let mask = candidates.mask;
+        if mask != 0 {
+            let t = S::store(candidates.t);
+            let mut lane = mask.trailing_zeros() as usize & (WIDTH - 1);
+            let mut rest = mask & (mask - 1);
+            while rest != 0 {
+                let other = rest.trailing_zeros() as usize & (WIDTH - 1);
+                rest &= rest - 1;
+                if t.0[other] < t.0[lane]
+                    || (t.0[other] == t.0[lane] && rank(block, other) < rank(block, lane))
+                {
+                    lane = other;
+                }
+            }
+            if t.0[lane] < self.t_max || self.yields_to(block, lane) {
+                self.t_max = t.0[lane];
+                self.found = Found::Lane(block, lane);
+                self.v = S::store(candidates.v);
+                self.w = S::store(candidates.w);
+                self.determinant = S::store(candidates.determinant);
+            }
+        }
+        if candidates.doubtful != 0 {
+            self.take_resolved(block, &candidates.resolve(self.t_max));
+        }
+    }
+
+    /// As [`Nearest::take`], for lanes that needed double precision.
+    #[cold]
+    #[inline(never)]
+    fn take_resolved(&mut self, block: &'a TriangleBlock, resolved: &Resolved) {
+        for lane in (0..WIDTH).filter(|lane| resolved.mask >> lane & 1 != 0) {
+            let t = resolved.t.0[lane];
+            if t < self.t_max || (t == self.t_max && self.yields_to(block, lane)) {
+                self.t_max = t;
+                self.found = Found::Lane(block, lane);
+                (self.v, self.w) = (resolved.v, resolved.w);
+                self.determinant = Lanes([1.0; WIDTH]);
+            }
+        }
+    }
+
+    /// Whether, of two hits that are equally far, that with this lane counts.
+    #[cold]
+    #[inline(never)]
+    fn yields_to(&self, block: &TriangleBlock, lane: usize) -> bool {
+        let (geometry, primitive) = rank(block, lane);
+        match self.found {
+            Found::Nothing => true,
+            Found::Lane(block, lane) => (geometry, primitive) < rank(block, lane),
+            Found::Custom(hit) => {
+                (self.instance, geometry, primitive) < (hit.instance, hit.geometry, hit.primitive)
+            }
+        }
+    }
+
+    /// Takes what a user primitive or an instance reported, if it is nearer, or as near and of a
+    /// lower number.
+    fn offer(&mut self, hit: Hit) {
+        let rank_of = |hit: &Hit| (hit.instance, hit.geometry, hit.primitive);
+        let is_first = || match self.found {
+            Found::Nothing => true,
+            Found::Lane(block, lane) => {
+                let (geometry, primitive) = rank(block, lane);
+                rank_of(&hit) < (self.instance, geometry, primitive)
+            }
+            Found::Custom(old) => rank_of(&hit) < rank_of(&old),
+        };
+        if hit.t < self.t_max || (hit.t == self.t_max && is_first()) {
             self.t_max = hit.t;
-            self.hit = hit;
-            self.determinant = determinant;
+            self.found = Found::Custom(hit);
         }
     }
 
     #[inline(always)]
-    fn finish(self) -> Option<Hit> {
-        let Self { hit, determinant, .. } = self;
-        (hit.geometry != Self::NOTHING).then(|| Hit {
-            u: hit.u / determinant,
-            v: hit.v / determinant,
-            ..hit
-        })
+    fn finish(&self) -> Option<Hit> {
+        match self.found {
+            Found::Nothing => None,
+            Found::Lane(block, lane) => {
+                let lane = lane & (WIDTH - 1);
+                Some(Hit {
+                    t: self.t_max,
+                    u: self.v.0[lane] / self.determinant.0[lane],
+                    v: self.w.0[lane] / self.determinant.0[lane],
+                    geometry: block.geometry[lane],
+                    primitive: block.primitive[lane],
+                    instance: self.instance,
+                })
+            }
+            Found::Custom(hit) => Some(hit),
+        }
     }
+}
+
+/// The geometry and the triangle of a lane.
+fn rank(block: &TriangleBlock, lane: usize) -> (u32, u32) {
+    (block.geometry[lane], block.primitive[lane])
 }
 
 /// The traversal, in one piece: with the ordering of children and the stack in functions of their
@@ -76,8 +164,9 @@ impl Nearest {
 ///
 /// One child that is met and two are by far the most common, and have ways of their own. Tried and
 /// slower: ways without branches (the chain of dependent instructions grows by more than the wrong
-/// guesses cost; any-hit rays by a fifth), passing over four waiting entries at a time, prefetching
-/// what waits (no difference), other weights of nodes against blocks (no difference).
+/// guesses cost), a fixed order of the children for each octant of directions, which needs no
+/// sorting (a tenth more nodes are visited), passing over four waiting entries at a time,
+/// prefetching what waits (no difference), other weights of nodes against blocks (no difference).
 #[inline(always)]
 pub(super) fn closest<S: Simd, P: Primitives>(
     bvh: &Bvh,
@@ -86,16 +175,18 @@ pub(super) fn closest<S: Simd, P: Primitives>(
     instance: u32,
 ) -> Option<Hit> {
     let constants = RayConstants::new(ray)?;
-    let boxes = BoxConstants::<S>::new(ray, &constants);
+    let boxes = BoxConstants::<S>::new(ray, &constants, &bvh.nodes);
     let mut nearest = Nearest::new(ray.t_max, instance);
     let mut stack = [MaybeUninit::<Entry>::uninit(); STACK_SIZE];
+    let nodes = bvh.nodes.as_ptr();
     let mut waiting = 0;
     let mut current = Child::node(0);
     loop {
         if current.is_node() {
+            let offset = current.node_offset();
             // SAFETY: the builder made as many nodes as it numbered.
-            let node = unsafe { bvh.nodes.get_unchecked(current.0 as usize) };
-            let (mut mask, enter) = boxes.meet(node, S::splat(nearest.t_max));
+            let (node, (mut mask, enter)) =
+                unsafe { (&*nodes.byte_add(offset), boxes.meet(offset, S::splat(nearest.t_max))) };
             if mask != 0 {
                 let first = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
@@ -118,10 +209,17 @@ pub(super) fn closest<S: Simd, P: Primitives>(
                     continue;
                 }
                 let bottom = waiting;
+                let c = key(mask.trailing_zeros() as usize);
+                mask &= mask - 1;
+                let (low, high) = (a.min(b), a.max(b));
+                let (middle, far) = (high.min(c), high.max(c));
+                let mut next = low.min(middle);
                 // SAFETY: the depth of the hierarchy keeps `waiting` below STACK_SIZE.
-                unsafe { stack.get_unchecked_mut(waiting) }.write(a.max(b));
-                waiting += 1;
-                let mut next = a.min(b);
+                unsafe {
+                    stack.get_unchecked_mut(waiting).write(far);
+                    stack.get_unchecked_mut(waiting + 1).write(low.max(middle));
+                }
+                waiting += 2;
                 while mask != 0 {
                     let other = key(mask.trailing_zeros() as usize);
                     mask &= mask - 1;
@@ -143,29 +241,14 @@ pub(super) fn closest<S: Simd, P: Primitives>(
                 current = Child(next as u32);
                 continue;
             }
-        } else {
-            match current.kind() {
-                ChildKind::Block(index) => {
-                    // SAFETY: the builder made as many blocks as it numbered.
-                    let block = unsafe { bvh.blocks.get_unchecked(index) };
-                    let found = intersect_block::<S>(block, &constants, nearest.t_max);
-                    if let Some(candidates) = found
-                        && let Some(hits) = candidates.hits(nearest.t_max)
-                    {
-                        offer_block(&mut nearest, block, &hits, instance);
-                    }
-                }
-                ChildKind::Custom { first, count } => {
-                    intersect_custom(
-                        (bvh, primitives),
-                        &bvh.custom[first..first + count],
-                        ray,
-                        instance,
-                        &mut nearest,
-                    );
-                }
-                ChildKind::Node(_) => {}
+        } else if current.is_block() {
+            // SAFETY: the builder made as many blocks as it numbered.
+            let block = unsafe { current.block_of(&bvh.blocks) };
+            if let Some(candidates) = intersect_block::<S>(block, &constants, nearest.t_max) {
+                nearest.take(block, &candidates);
             }
+        } else {
+            intersect_custom((bvh, primitives), current, ray, instance, &mut nearest);
         }
         loop {
             if waiting == 0 {
@@ -182,35 +265,17 @@ pub(super) fn closest<S: Simd, P: Primitives>(
     }
 }
 
-/// Offers every lane that was hit.
-#[inline(always)]
-fn offer_block(nearest: &mut Nearest, block: &TriangleBlock, hits: &BlockHits, instance: u32) {
-    let mut mask = hits.mask;
-    while mask != 0 {
-        let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
-        mask &= mask - 1;
-        let hit = Hit {
-            t: hits.t.0[lane],
-            u: hits.v.0[lane],
-            v: hits.w.0[lane],
-            geometry: block.geometry[lane],
-            primitive: block.primitive[lane],
-            instance,
-        };
-        nearest.offer(hit, hits.determinant.0[lane]);
-    }
-}
-
 /// User primitives and instances, out of the way of the triangles.
 #[inline(never)]
 fn intersect_custom<P: Primitives>(
     (bvh, primitives): (&Bvh, &P),
-    entries: &[Custom],
+    child: Child,
     ray: &Ray,
     instance: u32,
-    nearest: &mut Nearest,
+    nearest: &mut Nearest<'_>,
 ) {
-    for &entry in entries {
+    let ChildKind::Custom { first, count } = child.kind() else { return };
+    for &entry in &bvh.custom[first..first + count] {
         // One step beyond the nearest hit, for the hits that are as near.
         let limited = Ray { t_max: nearest.t_max.next_up(), ..*ray };
         let hit = match entry {
@@ -235,7 +300,7 @@ fn intersect_custom<P: Primitives>(
             && hit.t > 0.0
             && hit.t <= nearest.t_max
         {
-            nearest.offer(hit, 1.0);
+            nearest.offer(hit);
         }
     }
 }

@@ -11,7 +11,7 @@ use etendue_math::Ray;
 
 /// How many children can wait at once. The builder bounds the depth of the hierarchy
 /// (`build::MAX_DEPTH`) so that they cannot be more, and `Bvh` has no other constructor.
-pub(crate) const STACK_SIZE: usize = crate::build::MAX_DEPTH * (crate::node::WIDTH - 1) + 8;
+pub(crate) const STACK_SIZE: usize = crate::build::MAX_DEPTH * (crate::node::WIDTH - 1) + 16;
 
 /// The nearest hit. `instance` is what hits carry as such.
 #[inline]

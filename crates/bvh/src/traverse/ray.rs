@@ -32,9 +32,9 @@ struct AxisConstants<S: Simd> {
     inverse: S::Vector,
     near_offset: S::Vector,
     far_offset: S::Vector,
-    /// The distances in bytes, from the first of a node's six planes, of those met first and last.
-    near_plane: usize,
-    far_plane: usize,
+    /// Those of the first node's planes that are met first and last.
+    near_plane: *const u8,
+    far_plane: *const u8,
 }
 
 impl RayConstants {
@@ -55,8 +55,12 @@ impl RayConstants {
         // By table: which axis it is cannot be foretold, and a wrong guess costs as much as a node.
         let at_greatest = size.cmpge(Vec3A::splat(greatest)).bitmask() as usize;
         let axes = AXES[at_greatest & 7];
-        let held = size.max(Vec3A::splat(greatest * LEAST_DIRECTION));
-        let inverse = Vec3A::ONE / held.copysign(direction);
+        // The division starts at once: what follows a ray waits for it.
+        let mut inverse = Vec3A::ONE / direction;
+        let least = Vec3A::splat(greatest * LEAST_DIRECTION);
+        if size.cmplt(least).any() {
+            inverse = held_off_zero(direction, least);
+        }
         let [x, y, z] = axes;
         let (place, slope, inverses) =
             (origin.to_array(), direction.to_array(), inverse.to_array());
@@ -81,6 +85,13 @@ impl RayConstants {
         // SAFETY: `axes` holds 0, 1 and 2 times the size of `Lanes`, in some order.
         unsafe { &*coordinates.add(self.axes[axis]).cast::<Lanes>() }
     }
+}
+
+/// One over a direction whose components are held off zero.
+#[cold]
+#[inline(never)]
+fn held_off_zero(direction: Vec3A, least: Vec3A) -> Vec3A {
+    Vec3A::ONE / direction.abs().max(least).copysign(direction)
 }
 
 /// As `max_element`, without its care for what is not a number.
@@ -117,7 +128,7 @@ static PLANES: [[usize; 6]; 8] = {
 
 impl<S: Simd> BoxConstants<S> {
     #[inline(always)]
-    pub(crate) fn new(ray: &Ray, constants: &RayConstants) -> Self {
+    pub(crate) fn new(ray: &Ray, constants: &RayConstants, nodes: &[Node]) -> Self {
         let origin = Vec3A::from(ray.origin);
         let padding = greatest_component(origin.abs()) * PADDING;
         let offset = -origin * constants.inverse;
@@ -127,8 +138,11 @@ impl<S: Simd> BoxConstants<S> {
         // operands pass on what is not a number, which then bounds nothing.
         let near = Vec3A::splat(f32::MAX).min(offset - padding);
         let far = Vec3A::splat(f32::MIN).max(offset + padding);
-        let planes = &PLANES[constants.inverse.is_negative_bitmask() as usize & 7];
+        // By the direction's signs, which are there before its inverse is.
+        let planes = &PLANES[Vec3A::from(ray.direction).is_negative_bitmask() as usize & 7];
         let [x, y, z] = constants.inverse.to_array();
+        let first = nodes.as_ptr().cast::<u8>();
+        let planes = planes.map(|offset| first.wrapping_add(offset));
         Self {
             x: AxisConstants::new([planes[0], planes[1]], x, near.x, far.x),
             y: AxisConstants::new([planes[2], planes[3]], y, near.y, far.y),
@@ -137,16 +151,25 @@ impl<S: Simd> BoxConstants<S> {
     }
 
     /// Which children's boxes the ray meets before `t_max`, and where it enters them.
+    ///
+    /// # Safety
+    ///
+    /// `offset` must be the distance in bytes of a node from the first of the nodes that `self` was
+    /// made for, which must still be there.
     #[inline(always)]
-    pub(crate) fn meet(&self, node: &Node, t_max: S::Vector) -> (u32, S::Vector) {
+    pub(crate) unsafe fn meet(&self, offset: usize, t_max: S::Vector) -> (u32, S::Vector) {
         let (x, y, z) = (&self.x, &self.y, &self.z);
         // A distance that is not a number (coordinates near the end of the range) does not bound:
         // the second operands are never NaN.
-        let enter = S::greatest(
-            S::greatest(x.near(node), y.near(node)),
-            S::greatest(z.near(node), S::splat(0.0)),
-        );
-        let leave = S::least(S::least(x.far(node), y.far(node)), S::least(z.far(node), t_max));
+        // SAFETY: the caller's promise is the one that is asked for.
+        let (near, far) = unsafe {
+            (
+                [x.near(offset), y.near(offset), z.near(offset)],
+                [x.far(offset), y.far(offset), z.far(offset)],
+            )
+        };
+        let enter = S::greatest(S::greatest(near[0], near[1]), S::greatest(near[2], S::splat(0.0)));
+        let leave = S::least(S::least(far[0], far[1]), S::least(far[2], t_max));
         (S::less_equal(enter, leave), enter)
     }
 }
@@ -154,7 +177,7 @@ impl<S: Simd> BoxConstants<S> {
 impl<S: Simd> AxisConstants<S> {
     #[inline(always)]
     fn new(
-        [near_plane, far_plane]: [usize; 2],
+        [near_plane, far_plane]: [*const u8; 2],
         inverse: f32,
         near_offset: f32,
         far_offset: f32,
@@ -168,28 +191,23 @@ impl<S: Simd> AxisConstants<S> {
         }
     }
 
+    /// # Safety
+    ///
+    /// As for [`BoxConstants::meet`].
     #[inline(always)]
-    fn near(&self, node: &Node) -> S::Vector {
-        // SAFETY: `PLANES` holds distances of the six planes.
-        let plane = unsafe { plane_at(node, self.near_plane) };
+    unsafe fn near(&self, offset: usize) -> S::Vector {
+        // SAFETY: a plane of the first node and the distance of another give the other's plane.
+        let plane = unsafe { &*self.near_plane.add(offset).cast::<Lanes>() };
         S::multiply_add(S::load(plane), self.inverse, self.near_offset)
     }
 
+    /// # Safety
+    ///
+    /// As for [`BoxConstants::meet`].
     #[inline(always)]
-    fn far(&self, node: &Node) -> S::Vector {
-        // SAFETY: `PLANES` holds distances of the six planes.
-        let plane = unsafe { plane_at(node, self.far_plane) };
+    unsafe fn far(&self, offset: usize) -> S::Vector {
+        // SAFETY: a plane of the first node and the distance of another give the other's plane.
+        let plane = unsafe { &*self.far_plane.add(offset).cast::<Lanes>() };
         S::multiply_add(S::load(plane), self.inverse, self.far_offset)
     }
-}
-
-/// The planes at a distance in bytes, which saves a shift per plane and node.
-///
-/// # Safety
-///
-/// `offset` must be a multiple of the size of `Lanes` below that of six.
-#[inline(always)]
-unsafe fn plane_at(node: &Node, offset: usize) -> &Lanes {
-    // SAFETY: as the caller promises, this stays in `node.planes`.
-    unsafe { &*node.planes.as_ptr().cast::<u8>().add(offset).cast::<Lanes>() }
 }
