@@ -64,6 +64,9 @@ pub static BSDFS: &[Plugin<BuildMaterial>] = &[
     }),
     plugin("hair", &bsdf::hair::MANUAL, |b, p| bsdf::hair::build(b, p).map(Material::Hair)),
     plugin("mask", &bsdf::mask::MANUAL, |b, p| bsdf::mask::build(b, p).map(Material::Mask)),
+    plugin("measured", &bsdf::measured::MANUAL, |b, p| {
+        bsdf::measured::build(b, p).map(Material::Measured)
+    }),
     plugin("normalmap", &bsdf::normalmap::MANUAL, |b, p| {
         bsdf::normalmap::build(b, p).map(Material::NormalMap)
     }),

@@ -40,6 +40,7 @@ fn resources() -> MemoryResources {
     MemoryResources::default()
         .with("sample.obj", write_obj(&mesh()))
         .with("sample.ply", write_ply(&mesh()))
+        .with("sample.bsdf", include_bytes!("../src/bsdf/measured/isotropic.bsdf").to_vec())
         .with("sample.serialized", serialized())
         .with("sample.exr", encoded(FileFormat::Exr))
         .with("wood.png", encoded(FileFormat::Png))

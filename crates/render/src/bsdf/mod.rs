@@ -27,6 +27,7 @@ pub mod fresnel;
 pub mod hair;
 mod inputs;
 pub mod mask;
+pub mod measured;
 pub mod microfacet;
 pub mod normalmap;
 pub mod null;

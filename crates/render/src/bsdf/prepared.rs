@@ -2,8 +2,8 @@
 
 use super::{
     BsdfSample, Closure, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric, diffuse, hair,
-    mask, normalmap, null, plastic, principled, principledthin, roughconductor, roughdielectric,
-    roughdiffuse, roughplastic, thindielectric, twosided,
+    mask, measured, normalmap, null, plastic, principled, principledthin, roughconductor,
+    roughdielectric, roughdiffuse, roughplastic, thindielectric, twosided,
 };
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
@@ -116,6 +116,8 @@ materials! {
         PrincipledThin: principledthin::PrincipledThin => principledthin::PrincipledThinClosure,
         /// Hair and fur.
         Hair: hair::Hair => hair::HairClosure<'a>,
+        /// A material measured in the laboratory.
+        Measured: measured::Measured => measured::MeasuredClosure<'a>,
         /// No surface at all.
         Null: null::Null => null::NullClosure,
     }

@@ -68,9 +68,19 @@ pub(crate) fn assert_same(first: &str, second: &str) {
     }
 }
 
+/// Files that materials may name.
+fn resources() -> MemoryResources {
+    MemoryResources::default()
+        .with("isotropic.bsdf", include_bytes!("measured/isotropic.bsdf").to_vec())
+        .with("anisotropic.bsdf", include_bytes!("measured/anisotropic.bsdf").to_vec())
+        .with("quarter.bsdf", include_bytes!("measured/quarter.bsdf").to_vec())
+        .with("spectral.bsdf", include_bytes!("measured/spectral.bsdf").to_vec())
+        .with("broken.bsdf", b"tensor_file".to_vec())
+}
+
 fn read(xml: &str) -> (Option<TestMaterial>, Vec<Diagnostic>) {
     let text = format!("<scene version=\"3.0.0\">{xml}</scene>");
-    let (resources, diagnostics) = (MemoryResources::default(), Diagnostics::new());
+    let (resources, diagnostics) = (resources(), Diagnostics::new());
     let document: Document =
         etendue_mitsuba::read_text(&text, &resources, &LoadOptions::default(), &diagnostics)
             .expect("a scene");

@@ -51,6 +51,7 @@ fn transmits(materials: &[Material], id: MaterialId) -> bool {
         | Material::RoughConductor(_)
         | Material::Plastic(_)
         | Material::RoughPlastic(_)
+        | Material::Measured(_)
         | Material::TwoSided(_) => false,
         Material::Dielectric(_)
         | Material::RoughDielectric(_)

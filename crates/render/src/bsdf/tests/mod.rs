@@ -26,7 +26,7 @@ const fn lossless(xml: &'static str) -> Configuration {
     Configuration { xml, reciprocal: true, lossless: true }
 }
 
-/// Shadowed bumps are not reciprocal, nor is what `principledthin` hides.
+/// Shadowed bumps are not reciprocal, nor is what `principledthin` hides, nor measurements made up.
 const fn one_way(xml: &'static str) -> Configuration {
     Configuration { xml, reciprocal: false, lossless: false }
 }
@@ -71,6 +71,10 @@ const CONFIGURATIONS: &[Configuration] = &[
     one_way(r#"<bsdf type="hair"/>"#),
     one_way(r#"<bsdf type="hair"><rgb name="sigma_a" value="0.1, 0.2, 0.5"/><float name="longitudinal_roughness" value="0.6"/><float name="azimuthal_roughness" value="0.8"/><float name="scale_tilt" value="5"/></bsdf>"#),
     Configuration { xml: r#"<bsdf type="hair"><float name="sigma_a" value="0"/></bsdf>"#, reciprocal: false, lossless: true },
+    one_way(r#"<bsdf type="measured"><string name="filename" value="isotropic.bsdf"/></bsdf>"#),
+    one_way(r#"<bsdf type="measured"><string name="filename" value="anisotropic.bsdf"/></bsdf>"#),
+    one_way(r#"<bsdf type="measured"><string name="filename" value="quarter.bsdf"/></bsdf>"#),
+    one_way(r#"<bsdf type="measured"><string name="filename" value="spectral.bsdf"/></bsdf>"#),
     plain(r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="ggx"/></bsdf><bsdf type="diffuse"/></bsdf>"#),
     plain(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="roughplastic"/></bsdf>"#),
     lossless(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="twosided"><bsdf type="conductor"/></bsdf></bsdf>"#),
