@@ -1,6 +1,6 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
-use etendue_integrators::Integrator;
+use etendue_integrators::{Integrator, Start};
 use etendue_render::{Scene, SensorSetup};
 use etendue_sampling::SamplerSpec;
 use glam::{UVec2, Vec2};
@@ -77,7 +77,8 @@ impl SampleSource for Camera<'_> {
             Vec2::ZERO
         };
         let sensor = self.setup.sensor.sample_ray(film_position, aperture);
-        let radiance = self.integrator.sample(self.scene, &sensor.ray, &mut stream, layers);
+        let start = Start { ray: sensor.ray, medium: self.setup.medium };
+        let radiance = self.integrator.sample_within(self.scene, &start, &mut stream, layers);
         Sample { color: radiance.color * sensor.weight, alpha: radiance.alpha, weight }
     }
 }

@@ -1,6 +1,6 @@
 //! `aov`: what is seen first, as numbers: for compositing, denoising and looking into a scene.
 
-use crate::{Integrator, Radiance};
+use crate::{Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters, list_names, near_names};
 use etendue_math::Ray;
 use etendue_render::bsdf::Bsdf;
@@ -133,14 +133,24 @@ impl Integrator for Aov {
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance {
+        self.sample_within(scene, &Start { ray: *ray, medium: None }, stream, layers)
+    }
+
+    fn sample_within(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        stream: &mut SampleStream,
+        layers: &mut [f32],
+    ) -> Radiance {
         let nested_count = self.nested.as_ref().map_or(0, |nested| nested.layers().len());
         let (own, nested_layers) = layers.split_at_mut(layers.len() - nested_count);
-        let surface = scene.intersect(ray);
+        let surface = scene.intersect(&start.ray);
         if let Some(surface) = &surface {
             self.fill(scene, surface, own);
         }
         match &self.nested {
-            Some(nested) => nested.sample(scene, ray, stream, nested_layers),
+            Some(nested) => nested.sample_within(scene, start, stream, nested_layers),
             None => Radiance { alpha: if surface.is_some() { 1.0 } else { 0.0 }, ..Radiance::NONE },
         }
     }

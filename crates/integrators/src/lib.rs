@@ -11,9 +11,12 @@ mod aov;
 mod depth;
 mod direct;
 mod light;
+mod media;
 mod moment;
 mod path;
 mod registry;
+mod volpath;
+mod volpathmis;
 
 pub use aov::Aov;
 pub use depth::Depth;
@@ -21,9 +24,10 @@ pub use direct::Direct;
 pub use moment::Moment;
 pub use path::Path;
 pub use registry::{INTEGRATORS, IntegratorOptions, build_integrator, plugins};
+pub use volpath::VolumePath;
 
 use etendue_math::Ray;
-use etendue_render::Scene;
+use etendue_render::{MediumId, Scene};
 use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
 
@@ -39,6 +43,15 @@ pub struct Radiance {
 impl Radiance {
     /// Nothing there.
     pub const NONE: Self = Self { color: Spectrum::ZERO, alpha: 0.0 };
+}
+
+/// Where a camera sample starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// The ray; its direction is unit.
+    pub ray: Ray,
+    /// The medium that its origin lies in.
+    pub medium: Option<MediumId>,
 }
 
 /// A way to compute light.
@@ -58,4 +71,15 @@ pub trait Integrator: Send + Sync {
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance;
+
+    /// The same from inside a medium, which most integrators do not ask for.
+    fn sample_within(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        stream: &mut SampleStream,
+        layers: &mut [f32],
+    ) -> Radiance {
+        self.sample(scene, &start.ray, stream, layers)
+    }
 }

@@ -1,6 +1,6 @@
 //! `moment`: the results of other integrators, and their squares.
 
-use crate::{Integrator, Radiance};
+use crate::{Integrator, Radiance, Start};
 use etendue_math::Ray;
 use etendue_render::{Manual, Scene};
 use etendue_sampling::SampleStream;
@@ -45,12 +45,22 @@ impl Integrator for Moment {
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance {
+        self.sample_within(scene, &Start { ray: *ray, medium: None }, stream, layers)
+    }
+
+    fn sample_within(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        stream: &mut SampleStream,
+        layers: &mut [f32],
+    ) -> Radiance {
         let (values, squares) = layers.split_at_mut(3 * self.nested.len());
         let mut first = None;
         for (index, integrator) in self.nested.iter().enumerate() {
             // Layers of nested integrators are not recorded.
             let mut ignored = vec![0.0; integrator.layers().len()];
-            let radiance = integrator.sample(scene, ray, stream, &mut ignored);
+            let radiance = integrator.sample_within(scene, start, stream, &mut ignored);
             for (channel, value) in radiance.color.rgb().into_iter().enumerate() {
                 values[3 * index + channel] = value;
                 squares[3 * index + channel] = value * value;

@@ -1,6 +1,9 @@
 //! Every integrator, one line each.
 
-use crate::{Aov, Depth, Direct, Integrator, Moment, Path, aov, depth, direct, moment, path};
+use crate::{
+    Aov, Depth, Direct, Integrator, Moment, Path, VolumePath, aov, depth, direct, moment, path,
+    volpath, volpathmis,
+};
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters};
 use etendue_render::Manual;
 use etendue_render::registry::report_unknown;
@@ -68,6 +71,12 @@ pub static INTEGRATORS: &[IntegratorPlugin] = &[
     }),
     plugin("path", &path::MANUAL, |b| {
         Some(Box::new(Path::build(b.parameters, b.options.emitter_sampling)))
+    }),
+    plugin("volpath", &volpath::MANUAL, |b| {
+        Some(Box::new(VolumePath::build(b.parameters, b.options.emitter_sampling)))
+    }),
+    plugin("volpathmis", &volpathmis::MANUAL, |b| {
+        Some(Box::new(volpathmis::build(b.parameters, b.options.emitter_sampling)))
     }),
 ];
 

@@ -3,6 +3,7 @@
 mod assets;
 mod attributes;
 mod colors;
+mod media;
 mod shapes;
 
 pub use assets::Assets;
@@ -10,11 +11,14 @@ pub use assets::Assets;
 use crate::bsdf::Material;
 use crate::emitter::Emitter;
 use crate::film::FilmSpec;
-use crate::ids::{MaterialId, TextureId};
+use crate::ids::{MaterialId, MediumId, TextureId};
+use crate::medium::Medium;
+use crate::phase::PhaseFunction;
 use crate::registry::{self, find};
 use crate::rfilter::ReconstructionFilter;
 use crate::scene::{Parts, Scene, SensorSetup};
 use crate::texture::Texture;
+use crate::volume::Volume;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
 use etendue_math::Transform;
 use std::collections::HashMap;
@@ -58,10 +62,8 @@ pub fn build_scene(
         return None;
     }
     let hash = assets.content_hash();
-    Scene::new(
-        Parts { materials: builder.materials, textures: builder.textures, hash, ..parts },
-        diagnostics,
-    )
+    let Builder { materials, textures, media, .. } = builder;
+    Scene::new(Parts { materials, textures, media, hash, ..parts }, diagnostics)
 }
 
 /// A 4×4 transform parameter; `None` after reporting one that has no inverse.
@@ -82,10 +84,15 @@ pub struct Builder<'a> {
     pub materials: Vec<Material>,
     /// The textures so far.
     pub textures: Vec<Texture>,
+    /// The media so far.
+    pub media: Vec<Medium>,
     options: &'a BuildOptions,
     materials_built: HashMap<NodeId, Option<MaterialId>>,
     textures_built: HashMap<NodeId, Option<TextureId>>,
     textures_decoded: HashMap<NodeId, assets::Decoded<'a>>,
+    media_built: HashMap<NodeId, Option<MediumId>>,
+    phases_built: HashMap<NodeId, Option<PhaseFunction>>,
+    volumes_built: HashMap<NodeId, Option<Volume>>,
     default_material: Option<MaterialId>,
     /// Whether any texture reads the attributes of meshes.
     has_attribute_textures: bool,
@@ -99,10 +106,14 @@ impl<'a> Builder<'a> {
             assets,
             materials: Vec::new(),
             textures: Vec::new(),
+            media: Vec::new(),
             options,
             materials_built: HashMap::new(),
             textures_built: HashMap::new(),
             textures_decoded: HashMap::new(),
+            media_built: HashMap::new(),
+            phases_built: HashMap::new(),
+            volumes_built: HashMap::new(),
             default_material: None,
             has_attribute_textures: assets
                 .document
@@ -216,12 +227,13 @@ impl<'a> Builder<'a> {
         let parameters = self.parameters(node);
         let film = self.film(&parameters);
         let sampler = crate::sampler::build_child(&parameters);
+        let medium = self.medium_around(&parameters);
         let build = find(registry::SENSORS, &parameters)?;
         // Mistakes of the sensor are found even where its film has some.
         let sensor = build(self, &parameters, &film.clone().unwrap_or_default())?;
         let id = parameters.id().map(str::to_owned);
         parameters.finish();
-        Some(SensorSetup { id, sensor, film: film?, sampler: sampler? })
+        Some(SensorSetup { id, sensor, film: film?, sampler: sampler?, medium })
     }
 
     fn film(&mut self, sensor: &Parameters<'_>) -> Option<FilmSpec> {
@@ -269,6 +281,15 @@ impl<'a> Builder<'a> {
         }
         for child in root.children_of(Class::Texture) {
             let _ = self.texture(child.node);
+        }
+        for child in root.children_of(Class::Medium) {
+            let _ = self.medium(child.node);
+        }
+        for child in root.children_of(Class::Phase) {
+            let _ = self.phase(child.node);
+        }
+        for child in root.children_of(Class::Volume) {
+            let _ = self.volume(child.node);
         }
     }
 }

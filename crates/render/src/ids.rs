@@ -28,4 +28,6 @@ typed_ids! {
     EmitterId,
     /// A shape group: shapes that instances place in the scene.
     GroupId,
+    /// A medium: what fills the space between surfaces.
+    MediumId,
 }

@@ -16,6 +16,8 @@ pub mod film;
 mod ids;
 mod interaction;
 mod manual;
+pub mod medium;
+pub mod phase;
 pub mod registry;
 pub mod rfilter;
 pub mod sampler;
@@ -23,11 +25,12 @@ mod scene;
 pub mod sensor;
 pub mod shape;
 pub mod texture;
+pub mod volume;
 
 pub use etendue_bvh::Hit;
 
 pub use builder::{Assets, BuildOptions, Builder, build_scene};
-pub use ids::{EmitterId, GroupId, MaterialId, ShapeId, TextureId};
+pub use ids::{EmitterId, GroupId, MaterialId, MediumId, ShapeId, TextureId};
 pub use interaction::SurfaceInteraction;
 pub use manual::{Manual, ParameterManual};
 pub use scene::{EmitterChoice, Scene, SceneStatistics, SensorSetup};

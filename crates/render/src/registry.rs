@@ -7,11 +7,14 @@ use crate::emitter::{self, Emitter};
 use crate::film::{self, FilmSpec};
 use crate::ids::ShapeId;
 use crate::manual::Manual;
+use crate::medium::{self, Medium};
+use crate::phase::{self, PhaseFunction};
 use crate::rfilter;
 use crate::sampler;
 use crate::sensor::{self, Sensor};
 use crate::shape::{self, Geometry};
 use crate::texture::{self, Texture};
+use crate::volume::{self, Volume};
 use etendue_document::{Class, Fault, Parameters, list_names, near_names};
 
 /// One plugin of a family whose members are built by functions of type `F`.
@@ -44,6 +47,13 @@ pub type BuildShapeEmitter = fn(&mut Builder<'_>, &Parameters<'_>, ShapeId) -> E
 pub type BuildSensor = fn(&mut Builder<'_>, &Parameters<'_>, &FilmSpec) -> Option<Sensor>;
 /// Builds a film.
 pub type BuildFilm = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<FilmSpec>;
+
+/// Builds a medium.
+pub type BuildMedium = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Medium>;
+/// Builds a phase function.
+pub type BuildPhase = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<PhaseFunction>;
+/// Builds a volume.
+pub type BuildVolume = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Volume>;
 
 /// The materials.
 pub static BSDFS: &[Plugin<BuildMaterial>] = &[
@@ -176,6 +186,38 @@ pub static SHAPE_EMITTERS: &[Plugin<BuildShapeEmitter>] = &[
     }),
 ];
 
+/// The media.
+pub static MEDIA: &[Plugin<BuildMedium>] = &[
+    plugin("heterogeneous", &medium::heterogeneous::MANUAL, medium::heterogeneous::build),
+    plugin("homogeneous", &medium::homogeneous::MANUAL, medium::homogeneous::build),
+];
+
+/// The phase functions.
+pub static PHASES: &[Plugin<BuildPhase>] = &[
+    plugin("blendphase", &phase::blendphase::MANUAL, |b, p| {
+        phase::blendphase::build(b, p).map(|blend| PhaseFunction::Blend(Box::new(blend)))
+    }),
+    plugin("hg", &phase::hg::MANUAL, |b, p| {
+        phase::hg::build(b, p).map(PhaseFunction::HenyeyGreenstein)
+    }),
+    plugin("isotropic", &phase::isotropic::MANUAL, phase::isotropic::build),
+    plugin("rayleigh", &phase::rayleigh::MANUAL, phase::rayleigh::build),
+    plugin("sggx", &phase::sggx::MANUAL, |b, p| phase::sggx::build(b, p).map(PhaseFunction::Sggx)),
+    plugin("tabphase", &phase::tabphase::MANUAL, |b, p| {
+        phase::tabphase::build(b, p).map(|table| PhaseFunction::Tabulated(Box::new(table)))
+    }),
+];
+
+/// The volumes.
+pub static VOLUMES: &[Plugin<BuildVolume>] = &[
+    plugin("constvolume", &volume::constvolume::MANUAL, |b, p| {
+        volume::constvolume::build(b, p).map(Volume::Constant)
+    }),
+    plugin("gridvolume", &volume::gridvolume::MANUAL, |b, p| {
+        volume::gridvolume::build(b.assets, p).map(|grid| Volume::Grid(grid.into()))
+    }),
+];
+
 /// The sensors.
 pub static SENSORS: &[Plugin<BuildSensor>] = &[
     plugin("orthographic", &sensor::orthographic::MANUAL, |b, p, f| {
@@ -233,6 +275,9 @@ pub fn plugins() -> Vec<(Class, &'static str, &'static Manual)> {
     all.extend(pages(Class::Texture, TEXTURES));
     all.extend(pages(Class::Emitter, EMITTERS));
     all.extend(pages(Class::Emitter, SHAPE_EMITTERS));
+    all.extend(pages(Class::Medium, MEDIA));
+    all.extend(pages(Class::Phase, PHASES));
+    all.extend(pages(Class::Volume, VOLUMES));
     all.extend(pages(Class::Sensor, SENSORS));
     all.extend(pages(Class::Film, FILMS));
     all.extend(pages(Class::ReconstructionFilter, rfilter::FILTERS));

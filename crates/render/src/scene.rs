@@ -3,8 +3,9 @@
 use crate::bsdf::{Bsdf, Material, Materials};
 use crate::emitter::Emitter;
 use crate::film::FilmSpec;
-use crate::ids::{EmitterId, ShapeId};
+use crate::ids::{EmitterId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
+use crate::medium::{Boundary, Medium};
 use crate::sensor::Sensor;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
@@ -30,6 +31,8 @@ pub struct SensorSetup {
     pub film: FilmSpec,
     /// Where its random numbers come from, and how many samples a pixel gets.
     pub sampler: SamplerSpec,
+    /// The medium around it.
+    pub medium: Option<MediumId>,
 }
 
 /// What a scene is put together from.
@@ -42,6 +45,9 @@ pub(crate) struct Parts {
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
     pub(crate) emitters: Vec<Emitter>,
+    pub(crate) media: Vec<Medium>,
+    /// The shapes that media end at.
+    pub(crate) boundaries: Vec<(ShapeId, Boundary)>,
     pub(crate) sensors: Vec<SensorSetup>,
     pub(crate) hash: [u8; 32],
 }
@@ -56,6 +62,9 @@ pub struct Scene {
     textures: Vec<Texture>,
     emitters: Vec<Emitter>,
     environments: Vec<EmitterId>,
+    media: Vec<Medium>,
+    /// What media end at each shape; empty where no shape has any.
+    boundaries: Vec<Option<Boundary>>,
     sensors: Vec<SensorSetup>,
     hash: [u8; 32],
 }
@@ -130,6 +139,11 @@ impl Scene {
             .filter(|(_, emitter)| emitter.is_environment())
             .map(|(index, _)| EmitterId(index))
             .collect();
+        let mut boundaries = Vec::new();
+        for (shape, boundary) in parts.boundaries {
+            boundaries.resize(parts.shapes.len(), None);
+            boundaries[shape.index()] = Some(boundary);
+        }
         Some(Self {
             bvh,
             shapes: parts.shapes,
@@ -138,6 +152,8 @@ impl Scene {
             textures: parts.textures,
             emitters: parts.emitters,
             environments,
+            media: parts.media,
+            boundaries,
             sensors: parts.sensors,
             hash: parts.hash,
         })
@@ -258,6 +274,20 @@ impl Scene {
     pub fn emitter_probability(&self, emitter: EmitterId) -> f32 {
         debug_assert!(emitter.index() < self.emitters.len());
         1.0 / self.emitters.len() as f32
+    }
+
+    /// A medium.
+    #[inline]
+    #[must_use]
+    pub fn medium(&self, id: MediumId) -> &Medium {
+        &self.media[id.index()]
+    }
+
+    /// The media on both sides of the shape that was hit, if media end there.
+    #[inline]
+    #[must_use]
+    pub fn boundary(&self, surface: &SurfaceInteraction) -> Option<Boundary> {
+        *self.boundaries.get(surface.shape.index())?
     }
 
     /// The cameras, in the order of the file.

@@ -33,6 +33,13 @@ fn picture() -> Picture {
     Picture { channels: channels.to_vec(), ..Picture::new(2, 2) }
 }
 
+/// A volume of two cells.
+fn volume() -> Vec<u8> {
+    let header = [1, 2, 1, 1, 1].map(i32::to_le_bytes).concat();
+    let values = [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0, 0.5, 0.25].map(f32::to_le_bytes).concat();
+    [b"VOL\x03".to_vec(), header, values].concat()
+}
+
 fn resources() -> MemoryResources {
     let encoded = |format| {
         encode(&picture(), format, &EncodeOptions::default()).expect("the picture can be written")
@@ -42,6 +49,7 @@ fn resources() -> MemoryResources {
         .with("sample.ply", write_ply(&mesh()))
         .with("sample.bsdf", include_bytes!("../src/bsdf/measured/isotropic.bsdf").to_vec())
         .with("sample.serialized", serialized())
+        .with("smoke.vol", volume())
         .with("sample.exr", encoded(FileFormat::Exr))
         .with("wood.png", encoded(FileFormat::Png))
 }

@@ -60,7 +60,6 @@ const fn approximated(
 }
 
 const SAME_LIGHT: &str = "which finds the same light by other paths";
-const NO_MEDIA: &str = "which leaves participating media out";
 const NO_BIAS: &str = "which finds the same light without its bias";
 
 static APPROXIMATED: &[Approximated] = &[
@@ -73,13 +72,11 @@ static APPROXIMATED: &[Approximated] = &[
     approximated(Class::Integrator, "sppm", "path", NO_BIAS),
     approximated(Class::Integrator, "photonmapper", "path", NO_BIAS),
     approximated(Class::Integrator, "vpl", "path", NO_BIAS),
-    approximated(Class::Integrator, "volpath", "path", NO_MEDIA),
-    approximated(Class::Integrator, "volpathmis", "path", NO_MEDIA),
-    approximated(Class::Integrator, "volpath_simple", "path", NO_MEDIA),
+    approximated(Class::Integrator, "volpath_simple", "volpath", SAME_LIGHT),
     approximated(Class::Integrator, "prb", "path", "which computes no gradients"),
     approximated(Class::Integrator, "prb_basic", "path", "which computes no gradients"),
     approximated(Class::Integrator, "prb_projective", "path", "which computes no gradients"),
-    approximated(Class::Integrator, "prbvolpath", "path", NO_MEDIA),
+    approximated(Class::Integrator, "prbvolpath", "volpath", "which computes no gradients"),
     approximated(Class::Integrator, "direct_projective", "direct", "which computes no gradients"),
     approximated(Class::Sensor, "telecentric", "orthographic", "which has no depth of field"),
     approximated(

@@ -65,9 +65,6 @@ fn integrators_this_version_lacks_become_path() {
         "sppm",
         "photonmapper",
         "vpl",
-        "volpath",
-        "volpath_simple",
-        "volpathmis",
         "ptracer",
         "prb",
     ] {
@@ -82,6 +79,10 @@ fn integrators_this_version_lacks_become_path() {
         assert_eq!(integrator.plugin, "path");
         assert_eq!(names(integrator), ["max_depth"], "what steers {plugin} is left out");
         assert!(loaded.messages()[0].starts_with(&format!("`{plugin}` is rendered as `path`")));
+    }
+    for plugin in ["volpath_simple", "prbvolpath"] {
+        let loaded = approximated(&format!("<integrator type='{plugin}'/>"), 2);
+        assert_eq!(object(&loaded.document, 0).plugin, "volpath");
     }
     for plugin in ["path", "direct", "depth", "moment", "aov"] {
         assert_eq!(object(&clean(&format!("<integrator type='{plugin}'/>")), 0).plugin, plugin);

@@ -112,6 +112,12 @@ pub trait Closure {
         transport: Transport,
     ) -> Option<BsdfSample>;
 
+    /// The share of light that goes straight on, as if no surface were there ([`Lobe::Null`]), and
+    /// the probability with which [`Self::sample`] lets it.
+    fn straight(&self, _wi: Vec3) -> (Spectrum, f32) {
+        (Spectrum::ZERO, 0.0)
+    }
+
     /// Whether any lobe is smooth, so that next-event estimation can find light.
     fn has_smooth_lobe(&self) -> bool;
 

@@ -56,6 +56,11 @@ impl Closure for NullClosure {
     }
 
     #[inline]
+    fn straight(&self, _wi: Vec3) -> (Spectrum, f32) {
+        (Spectrum::ONE, 1.0)
+    }
+
+    #[inline]
     fn has_smooth_lobe(&self) -> bool {
         false
     }
@@ -69,6 +74,7 @@ impl Closure for NullClosure {
 mod tests {
     use crate::bsdf::testing::TestMaterial;
     use crate::bsdf::{Lobe, Transport};
+    use etendue_spectrum::Spectrum;
     use glam::{Vec2, Vec3};
 
     #[test]
@@ -79,5 +85,6 @@ mod tests {
         assert!(!bsdf.has_smooth_lobe());
         let sample = bsdf.sample(wi, 0.5, Vec2::ZERO, Transport::Radiance).expect("a sample");
         assert_eq!((sample.wo, sample.lobe, sample.pdf), (-wi, Lobe::Null, 1.0));
+        assert_eq!(bsdf.straight(wi), (Spectrum::ONE, 1.0));
     }
 }

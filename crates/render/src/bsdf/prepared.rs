@@ -49,6 +49,10 @@ macro_rules! materials {
                 match self { $(Self::$name(closure) => closure.sample(wi, lobe, direction, transport),)* }
             }
 
+            fn straight(&self, wi: Vec3) -> (Spectrum, f32) {
+                match self { $(Self::$name(closure) => closure.straight(wi),)* }
+            }
+
             #[inline]
             fn has_smooth_lobe(&self) -> bool {
                 match self { $(Self::$name(closure) => closure.has_smooth_lobe(),)* }
@@ -423,6 +427,17 @@ impl<'a> Bsdf<'a> {
         }
         let (value, pdf) = self.eval_pdf(wi, sample.wo, transport);
         (pdf > 0.0).then(|| BsdfSample { weight: value / pdf, pdf, ..sample })
+    }
+
+    /// The share of light that goes straight on, as if no surface were there, and the probability
+    /// with which [`Self::sample`] lets it.
+    #[must_use]
+    pub fn straight(&self, wi: Vec3) -> (Spectrum, f32) {
+        self.leaves().fold((Spectrum::ZERO, 0.0), |(share, pdf), leaf| {
+            let (leaf_share, leaf_pdf) = leaf.closure.straight(leaf.placement.to_closure(wi));
+            let weight = leaf.placement.weight;
+            (share + leaf_share * weight, pdf + leaf_pdf * weight)
+        })
     }
 
     /// The share of light that is scattered in all, roughly: for the albedo layer.

@@ -99,6 +99,11 @@ impl Closure for ThinDielectricClosure {
         (pdf > 0.0).then_some(BsdfSample { wo: -wi, weight, pdf, eta: 1.0, lobe: Lobe::Null })
     }
 
+    fn straight(&self, wi: Vec3) -> (Spectrum, f32) {
+        let passed = 1.0 - self.reflected(wi);
+        (self.transmittance * passed, passed)
+    }
+
     #[inline]
     fn has_smooth_lobe(&self) -> bool {
         false

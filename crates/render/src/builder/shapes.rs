@@ -54,6 +54,7 @@ impl<'a> Builder<'a> {
             parts.emitters.push(emitter);
             EmitterId(parts.emitters.len() as u32 - 1)
         });
+        parts.boundaries.extend(self.boundary(&parameters).map(|boundary| (id, boundary)));
         parameters.finish();
         parts.shapes.push(Shape { geometry, material, emitter });
     }
@@ -85,12 +86,12 @@ impl<'a> Builder<'a> {
     ) {
         // Groups are built first: an instance's box needs its group's.
         let mut groups: HashMap<NodeId, Option<GroupId>> = HashMap::new();
-        let mut grouped_shapes = Vec::new();
+        let mut grouped = Vec::new();
         let mut placed = Vec::new();
         for &node in nodes {
             let parameters = self.parameters(node);
             let to_world = read_transform(&parameters, "to_world");
-            let group = self.group_of(&parameters, &mut groups, loaded, &mut grouped_shapes);
+            let group = self.group_of(&parameters, &mut groups, loaded, &mut grouped);
             let span = parameters.span();
             parameters.finish();
             let (Some(to_world), Some(group)) = (to_world, group) else { continue };
@@ -104,7 +105,9 @@ impl<'a> Builder<'a> {
         }
         let first_grouped = (parts.shapes.len() + placed.len()) as u32;
         let mut first = first_grouped;
-        for shapes in &grouped_shapes {
+        for Parts { shapes, boundaries, .. } in &grouped {
+            let in_scene = |id: ShapeId| ShapeId(first + id.0);
+            parts.boundaries.extend(boundaries.iter().map(|&(id, media)| (in_scene(id), media)));
             match build_tree(shapes, &[]) {
                 Ok(bvh) => {
                     parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) })
@@ -124,7 +127,7 @@ impl<'a> Builder<'a> {
             parts.shapes.push(Shape { geometry, material, emitter: None });
         }
         parts.top_level_shapes = Some(parts.shapes.len());
-        parts.shapes.extend(grouped_shapes.into_iter().flatten());
+        parts.shapes.extend(grouped.into_iter().flat_map(|members| members.shapes));
     }
 
     fn group_of(
@@ -132,7 +135,7 @@ impl<'a> Builder<'a> {
         instance: &Parameters<'_>,
         groups: &mut HashMap<NodeId, Option<GroupId>>,
         loaded: &mut LoadedShapes<'a>,
-        grouped_shapes: &mut Vec<Vec<Shape>>,
+        grouped: &mut Vec<Parts>,
     ) -> Option<GroupId> {
         let Some(child) = instance.unnamed_child(Class::Shape) else {
             instance.error(
@@ -147,8 +150,8 @@ impl<'a> Builder<'a> {
         }
         let parameters = self.parameters(child.node);
         let group = if parameters.plugin() == "shapegroup" {
-            grouped_shapes.push(self.grouped(&parameters, loaded));
-            Some(GroupId(grouped_shapes.len() as u32 - 1))
+            grouped.push(self.grouped(&parameters, loaded));
+            Some(GroupId(grouped.len() as u32 - 1))
         } else {
             parameters.error(
                 Fault::BadValue,
@@ -162,7 +165,7 @@ impl<'a> Builder<'a> {
         group
     }
 
-    fn grouped(&mut self, group: &Parameters<'_>, loaded: &mut LoadedShapes<'a>) -> Vec<Shape> {
+    fn grouped(&mut self, group: &Parameters<'_>, loaded: &mut LoadedShapes<'a>) -> Parts {
         let mut members = Parts::default();
         for child in group.children_of(Class::Shape) {
             match loaded.remove(&child.node) {
@@ -177,6 +180,6 @@ impl<'a> Builder<'a> {
             let message = "shapes of a group cannot emit light";
             self.assets.diagnostics.error(Fault::Unsupported, group.span(), message);
         }
-        members.shapes
+        members
     }
 }

@@ -84,6 +84,19 @@ pub struct DirectionSample {
 const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
 
 impl DirectionSample {
+    /// The ray that must be free for the light to arrive at a point in free space.
+    #[inline]
+    #[must_use]
+    pub fn shadow_ray_from(&self, origin: Vec3) -> Ray {
+        match self.target {
+            Target::Afar => Ray::new(origin, self.direction),
+            Target::Point { point, error, normal } => {
+                let target = offset_ray_origin(point, error, normal, -self.direction);
+                Ray::segment(origin, target - origin, SHADOW_RAY_LENGTH)
+            }
+        }
+    }
+
     /// The ray that must be free for the light to arrive at a surface.
     #[inline(always)]
     #[must_use]

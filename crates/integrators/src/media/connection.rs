@@ -1,0 +1,136 @@
+//! Connections to emitters: how much light passes media and surfaces that do not bend it.
+
+use super::flight::{Traveller, medium_beyond, transmittance};
+use etendue_math::{Ray, offset_ray_origin};
+use etendue_render::emitter::DirectionSample;
+use etendue_render::medium::{Density, Heterogeneous, Medium};
+use etendue_render::phase::Site;
+use etendue_render::{MediumId, Scene, SurfaceInteraction};
+use etendue_spectrum::Spectrum;
+use glam::Vec3;
+
+/// The vertex that light is to arrive at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Vertex<'a> {
+    /// In a medium.
+    Inside(Vec3),
+    /// On a surface.
+    Surface(&'a SurfaceInteraction),
+}
+
+/// What passes between a vertex and an emitter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Connection {
+    /// The share of light that passes: an estimate without bias.
+    pub(crate) transmittance: Spectrum,
+    /// The density of a path passing here by chance if each of the channels led, relative to the
+    /// connection's.
+    pub(crate) led: Spectrum,
+}
+
+/// A connection on its way.
+struct Way<'a> {
+    traveller: &'a mut Traveller,
+    connection: Connection,
+}
+
+impl Vertex<'_> {
+    /// Where a ray towards `direction` starts.
+    fn origin(&self, direction: Vec3) -> Vec3 {
+        match self {
+            Self::Inside(point) => *point,
+            Self::Surface(surface) => {
+                offset_ray_origin(surface.point, surface.error, surface.normal, direction)
+            }
+        }
+    }
+}
+
+impl Connection {
+    /// Connects a vertex to a light; `None` where no light passes.
+    pub(crate) fn new(
+        scene: &Scene,
+        vertex: Vertex<'_>,
+        light: &DirectionSample,
+        traveller: &mut Traveller,
+    ) -> Option<Self> {
+        let mut medium = match vertex {
+            Vertex::Inside(_) => traveller.medium,
+            Vertex::Surface(surface) => {
+                medium_beyond(scene, surface, light.direction, traveller.medium)
+            }
+        };
+        let mut ray = light.shadow_ray_from(vertex.origin(light.direction));
+        let connection = Self { transmittance: Spectrum::ONE, led: Spectrum::ONE };
+        let mut way = Way { traveller, connection };
+        loop {
+            let hit = scene.closest_hit(&ray);
+            // Surfaces end most connections, and cost less than media.
+            let surface = hit.map(|hit| scene.interaction(&ray, &hit));
+            if let Some(surface) = &surface {
+                way.pass_surface(scene, surface)?;
+            }
+            let t_max = surface.as_ref().map_or(ray.t_max, |surface| surface.t);
+            way.pass_medium(scene, medium, &Ray { t_max, ..ray })?;
+            let Some(surface) = surface else { return Some(way.connection) };
+            medium = medium_beyond(scene, &surface, light.direction, medium);
+            ray = light.shadow_ray_from(Vertex::Surface(&surface).origin(light.direction));
+        }
+    }
+}
+
+/// Below this, most connections are given up, and those that are left stand for them.
+const FAINT: f32 = 0.05;
+/// The share of faint connections that go on.
+const SURVIVAL: f32 = 0.25;
+
+impl Way<'_> {
+    fn pass_surface(&mut self, scene: &Scene, surface: &SurfaceInteraction) -> Option<()> {
+        let (share, pdf) = scene.prepare_bsdf(surface).straight(surface.wi);
+        self.connection.transmittance *= share;
+        self.connection.led *= pdf;
+        (!self.connection.transmittance.is_black()).then_some(())
+    }
+
+    fn pass_medium(&mut self, scene: &Scene, medium: Option<MediumId>, ray: &Ray) -> Option<()> {
+        let Some(id) = medium else { return Some(()) };
+        let medium = scene.medium(id);
+        match &medium.density {
+            Density::Homogeneous(density) => {
+                let wi = -ray.direction.normalize();
+                let area = medium.phase.projected_area(&Site { point: ray.origin, wi });
+                let length = ray.t_max * ray.direction.length();
+                let passed = transmittance(density.extinction() * area, length);
+                self.connection.transmittance *= passed;
+                self.connection.led *= passed;
+                (!self.connection.transmittance.is_black()).then_some(())
+            }
+            Density::Heterogeneous(density) => self.track(medium, density, ray),
+        }
+    }
+
+    /// Ratio tracking: every collision lets the share pass that is not real (Novák, Selle and Jarosz,
+    /// "Residual ratio tracking for estimating attenuation in participating media", *ACM
+    /// Transactions on Graphics* 33(6), 2014).
+    fn track(&mut self, medium: &Medium, density: &Heterogeneous, ray: &Ray) -> Option<()> {
+        let wi = -ray.direction.normalize();
+        let mut tracker = density.track(ray);
+        while let Some(collision) = tracker.advance(self.traveller.optical_depth()) {
+            let found = medium.coefficients(&Site { point: ray.at(collision.t), wi });
+            let null = Spectrum::ONE - (found.extinction / collision.majorant).min(Spectrum::ONE);
+            self.connection.transmittance *= null;
+            self.connection.led *= null;
+            let greatest = self.connection.transmittance.max_component();
+            if greatest <= 0.0 {
+                return None;
+            }
+            if greatest < FAINT {
+                if self.traveller.numbers().next_1d() >= SURVIVAL {
+                    return None;
+                }
+                self.connection.transmittance *= 1.0 / SURVIVAL;
+            }
+        }
+        Some(())
+    }
+}

@@ -1,0 +1,342 @@
+//! `volpath`: path tracing through participating media.
+
+use crate::media::{Connection, Event, Heuristic, Traveller, Vertex, Weights};
+use crate::{Integrator, Radiance, Start};
+use etendue_document::{Fault, Parameters};
+use etendue_math::Ray;
+use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
+use etendue_render::emitter::DirectionSample;
+use etendue_render::phase::Site;
+use etendue_render::{
+    EmitterId, Hit, Manual, MediumId, ParameterManual, Scene, SurfaceInteraction,
+};
+use etendue_sampling::SampleStream;
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+
+/// The manual page.
+pub(crate) const MANUAL: Manual = Manual {
+    summary: "Path tracing through participating media. On surfaces it does what `path` does; in media \
+              it follows real and imaginary collisions (delta tracking). Light that is sampled on \
+              emitters passes media and surfaces that do not bend it: `null`, `thindielectric`, masks. \
+              Colours whose extinction differs are weighed against each other over the whole path.",
+    parameters: &PARAMETERS,
+    sample: r#"<integrator type="volpath"><integer name="max_depth" value="8"/></integrator>"#,
+};
+
+/// What `volpath` and `volpathmis` read.
+pub(crate) const PARAMETERS: [ParameterManual; 3] = [
+    ParameterManual {
+        name: "max_depth",
+        kind: "integer",
+        default: "-1",
+        meaning: "The longest path, in edges: 1 shows emitters alone, 2 light that was scattered once, \
+                  −1 has no limit. Surfaces that do not bend light end no edge.",
+    },
+    ParameterManual {
+        name: "rr_depth",
+        kind: "integer",
+        default: "5",
+        meaning: "From this depth on, paths end by Russian roulette.",
+    },
+    ParameterManual {
+        name: "hide_emitters",
+        kind: "boolean",
+        default: "false",
+        meaning: "The camera does not see emitters.",
+    },
+];
+
+/// The volumetric path tracer.
+#[derive(Clone, Debug)]
+pub struct VolumePath {
+    /// The longest path, in edges.
+    max_depth: u32,
+    /// From this depth on, paths end by Russian roulette.
+    rr_depth: u32,
+    /// Whether the camera passes through emitters.
+    hide_emitters: bool,
+    /// Whether emitters are sampled; without, light is found by chance alone.
+    emitter_sampling: bool,
+    heuristic: Heuristic,
+}
+
+impl VolumePath {
+    /// Reads `volpath`.
+    #[must_use]
+    pub fn build(parameters: &Parameters<'_>, emitter_sampling: bool) -> Self {
+        Self::with_heuristic(parameters, emitter_sampling, Heuristic::Directions)
+    }
+
+    pub(crate) fn with_heuristic(
+        parameters: &Parameters<'_>,
+        emitter_sampling: bool,
+        heuristic: Heuristic,
+    ) -> Self {
+        let max_depth = parameters.integer("max_depth", -1);
+        if max_depth < -1 {
+            let message = "expected −1 (no limit), or a length of 0 or more";
+            parameters.error(Fault::BadValue, "max_depth", message);
+        }
+        Self {
+            max_depth: u32::try_from(max_depth).unwrap_or(u32::MAX),
+            rr_depth: parameters.integer_in("rr_depth", 5, 1..=i64::from(u32::MAX)) as u32,
+            hide_emitters: parameters.boolean("hide_emitters", false),
+            emitter_sampling,
+            heuristic,
+        }
+    }
+}
+
+/// A path on its way.
+struct State {
+    traveller: Traveller,
+    weights: Weights,
+    /// The last vertex that scattered light.
+    origin: Vec3,
+    /// The index of refraction here relative to the camera's: light that will leave glass again is
+    /// not lost to roulette for being compressed in it.
+    eta: f32,
+    /// Edges so far.
+    depth: u32,
+    radiance: Spectrum,
+    alpha: f32,
+}
+
+/// The numbers of a vertex, used or not: what a path draws at a depth does not depend on what it met
+/// before. They are those of `path`.
+struct Numbers {
+    emitter: Vec2,
+    direction: Vec2,
+    lobe: f32,
+    roulette: f32,
+}
+
+impl Numbers {
+    #[inline]
+    fn draw(stream: &mut SampleStream) -> Self {
+        let (emitter, direction) = (stream.next_2d(), stream.next_2d());
+        let Vec2 { x: lobe, y: roulette } = stream.next_independent_2d();
+        Self { emitter, direction, lobe, roulette }
+    }
+}
+
+impl Integrator for VolumePath {
+    fn sample(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        stream: &mut SampleStream,
+        layers: &mut [f32],
+    ) -> Radiance {
+        self.sample_within(scene, &Start { ray: *ray, medium: None }, stream, layers)
+    }
+
+    fn sample_within(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        stream: &mut SampleStream,
+        _: &mut [f32],
+    ) -> Radiance {
+        let mut path = State {
+            traveller: Traveller::new(start.ray, start.medium, stream),
+            weights: Weights::new(),
+            origin: start.ray.origin,
+            eta: 1.0,
+            depth: 0,
+            radiance: Spectrum::ZERO,
+            alpha: 0.0,
+        };
+        while path.depth < self.max_depth {
+            let goes_on = match path.traveller.travel(scene, &mut path.weights) {
+                Event::Surface(hit) => self.meet(scene, &mut path, &hit, stream),
+                Event::Scattering(medium, point) => {
+                    self.scatter(scene, &mut path, (medium, point), stream)
+                }
+                Event::Escape => {
+                    self.escape(scene, &mut path);
+                    false
+                }
+                Event::End => false,
+            };
+            if !goes_on {
+                break;
+            }
+        }
+        Radiance { color: path.radiance, alpha: path.alpha }
+    }
+}
+
+impl VolumePath {
+    /// The ray has left the scene.
+    fn escape(&self, scene: &Scene, path: &mut State) {
+        if self.hide_emitters && path.depth == 0 {
+            return;
+        }
+        let direction = path.traveller.ray.direction;
+        for &emitter in scene.environments() {
+            let radiance = scene.emitter(emitter).distant_radiance(direction);
+            self.find(scene, path, (emitter, radiance), None);
+        }
+        if !self.hide_emitters && !scene.environments().is_empty() {
+            path.alpha = 1.0;
+        }
+    }
+
+    /// Counts light that the path has come upon.
+    #[inline]
+    fn find(
+        &self,
+        scene: &Scene,
+        path: &mut State,
+        (emitter, radiance): (EmitterId, Spectrum),
+        surface: Option<&SurfaceInteraction>,
+    ) {
+        if radiance.is_black() {
+            return;
+        }
+        let weight = path.weights.of_chance(self.heuristic, || {
+            let direction = path.traveller.ray.direction;
+            let pdf = scene.emitter(emitter).pdf_direction(scene, path.origin, direction, surface);
+            pdf * scene.emitter_probability(emitter)
+        });
+        path.radiance += path.weights.throughput * radiance * weight;
+    }
+
+    /// The path has met a surface; false where it ends.
+    fn meet(&self, scene: &Scene, path: &mut State, hit: &Hit, stream: &mut SampleStream) -> bool {
+        let surface = scene.interaction(&path.traveller.ray, hit);
+        if let Some(emitter) = scene.emitter_of(&surface) {
+            if self.hide_emitters && path.depth == 0 {
+                path.traveller.leave(scene, &surface, path.traveller.ray.direction);
+                return true;
+            }
+            let radiance = scene.emitter(emitter).surface_radiance(scene, &surface);
+            self.find(scene, path, (emitter, radiance), Some(&surface));
+        }
+        let bsdf = scene.prepare_bsdf(&surface);
+        let (share, probability) = bsdf.straight(surface.wi);
+        if probability == 1.0 {
+            path.weights.throughput *= share;
+            path.traveller.leave(scene, &surface, path.traveller.ray.direction);
+            return !path.weights.throughput.is_black();
+        }
+        let numbers = Numbers::draw(stream);
+        if self.emitter_sampling && path.depth + 1 < self.max_depth && bsdf.has_smooth_lobe() {
+            self.light_surface(scene, path, (&surface, &bsdf), numbers.emitter);
+        }
+        self.leave(scene, path, (&surface, &bsdf), &numbers)
+            && self.survives(path, numbers.roulette)
+    }
+
+    /// Takes the next direction at a surface; false where there is none.
+    fn leave(
+        &self,
+        scene: &Scene,
+        path: &mut State,
+        (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
+        numbers: &Numbers,
+    ) -> bool {
+        let sample = bsdf.sample(surface.wi, numbers.lobe, numbers.direction, Transport::Radiance);
+        let Some(BsdfSample { wo, weight, pdf, eta, lobe }) = sample else {
+            path.alpha = 1.0;
+            return false;
+        };
+        path.traveller.leave(scene, surface, surface.to_world(wo));
+        if lobe == Lobe::Null {
+            return path.weights.pass(weight, pdf);
+        }
+        path.alpha = 1.0;
+        path.origin = surface.point;
+        path.eta *= eta;
+        path.depth += 1;
+        path.weights.turn(weight, pdf, self.emitter_sampling && lobe.is_smooth());
+        !path.weights.throughput.is_black()
+    }
+
+    /// Light that one emitter, chosen by chance, sends over a surface.
+    fn light_surface(
+        &self,
+        scene: &Scene,
+        path: &mut State,
+        (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
+        random: Vec2,
+    ) {
+        let Some(light) = choose_light(scene, surface.point, random) else { return };
+        let wo = surface.to_local(light.direction);
+        let (value, pdf) = bsdf.eval_pdf(surface.wi, wo, Transport::Radiance);
+        self.connect(scene, path, Vertex::Surface(surface), (&light, value, pdf));
+    }
+
+    /// The path has collided with a medium; false where it ends.
+    fn scatter(
+        &self,
+        scene: &Scene,
+        path: &mut State,
+        (medium, point): (MediumId, Vec3),
+        stream: &mut SampleStream,
+    ) -> bool {
+        path.alpha = 1.0;
+        path.depth += 1;
+        if path.depth >= self.max_depth {
+            return false;
+        }
+        let medium = scene.medium(medium);
+        let site = Site { point, wi: -path.traveller.ray.direction };
+        let numbers = Numbers::draw(stream);
+        let competes = self.emitter_sampling && medium.sample_emitters;
+        if competes && let Some(light) = choose_light(scene, point, numbers.emitter) {
+            let pdf = medium.phase.eval(&site, light.direction);
+            self.connect(scene, path, Vertex::Inside(point), (&light, Spectrum::splat(pdf), pdf));
+        }
+        let Some(sample) = medium.phase.sample(&site, numbers.lobe, numbers.direction) else {
+            return false;
+        };
+        path.weights.turn(Spectrum::ONE, sample.pdf, competes);
+        path.origin = point;
+        path.traveller.ray = Ray::new(point, sample.wo);
+        self.survives(path, numbers.roulette)
+    }
+
+    /// Next-event estimation: counts the light of an emitter, scattered with `value`, in a direction
+    /// that scattering would have taken with density `pdf`.
+    fn connect(
+        &self,
+        scene: &Scene,
+        path: &mut State,
+        vertex: Vertex<'_>,
+        (light, value, pdf): (&DirectionSample, Spectrum, f32),
+    ) {
+        let contribution = path.weights.throughput * value * light.radiance;
+        if contribution.is_black() {
+            return;
+        }
+        let connection = Connection::new(scene, vertex, light, &mut path.traveller);
+        let Some(Connection { transmittance, led }) = connection else { return };
+        let chance = if light.delta { 0.0 } else { pdf };
+        let weight = path.weights.of_connection(self.heuristic, light.pdf, chance, led);
+        path.radiance += contribution * transmittance * (weight / light.pdf);
+    }
+
+    /// Russian roulette: paths that carry little end early, and the survivors stand for them.
+    fn survives(&self, path: &mut State, random: f32) -> bool {
+        if path.depth < self.rr_depth {
+            return true;
+        }
+        let throughput = &mut path.weights.throughput;
+        let probability = (throughput.max_component() * path.eta * path.eta).min(0.95);
+        if random >= probability {
+            return false;
+        }
+        *throughput *= 1.0 / probability;
+        true
+    }
+}
+
+/// Light from one emitter, chosen by chance; its density includes that of the choice.
+fn choose_light(scene: &Scene, point: Vec3, mut random: Vec2) -> Option<DirectionSample> {
+    let choice = scene.choose_emitter(&mut random.x)?;
+    let light = scene.emitter(choice.emitter).sample_direction(scene, point, random)?;
+    Some(DirectionSample { pdf: light.pdf * choice.probability, ..light })
+}

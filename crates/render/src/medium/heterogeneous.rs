@@ -1,0 +1,96 @@
+//! `heterogeneous`: a medium that differs from place to place.
+
+use super::majorants::{Majorants, Tracker};
+use super::{ALBEDO, Common, Density, Medium, PHASE, SAMPLE_EMITTERS, SCALE, read_extinction};
+use crate::builder::Builder;
+use crate::manual::{Manual, parameter};
+use crate::volume::Volume;
+use etendue_document::{Fault, Parameters};
+use etendue_math::Ray;
+use etendue_spectrum::Spectrum;
+use glam::Vec3;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A medium whose extinction is a volume, such as smoke. It fills the box around that \
+              volume and is empty outside. The integrators `volpath` and `volpathmis` render it.",
+    parameters: &[
+        ALBEDO,
+        parameter(
+            "sigma_t",
+            "float, spectrum or volume",
+            "1",
+            "The extinction per unit of length.",
+        ),
+        SCALE,
+        SAMPLE_EMITTERS,
+        PHASE,
+    ],
+    sample: r#"<medium type="heterogeneous">
+    <volume name="sigma_t" type="gridvolume"><string name="filename" value="smoke.vol"/></volume>
+    <float name="albedo" value="0.9"/>
+    <float name="scale" value="20"/>
+</medium>"#,
+};
+
+/// A medium that differs from place to place.
+#[derive(Clone, Debug)]
+pub struct Heterogeneous {
+    extinction: Volume,
+    albedo: Volume,
+    scale: f32,
+    majorants: Majorants,
+}
+
+/// More collisions than this across a medium take a render out of reach.
+const SLOW_COLLISIONS: f32 = 1e5;
+
+/// Reads the medium.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Medium> {
+    let common = Common::read(builder, parameters);
+    let extinction = read_extinction(builder, parameters)?;
+    let Common { albedo, scale, phase, sample_emitters } = common?;
+    let majorants = Majorants::new(&extinction, scale * phase.greatest_area());
+    let thickness = majorants.greatest() * extinction.bounds().extent().length();
+    if !thickness.is_finite() {
+        let message = "the extinction is beyond what single precision can hold";
+        parameters.error(Fault::BadValue, "sigma_t", message);
+        return None;
+    }
+    if thickness > SLOW_COLLISIONS {
+        let message = format!(
+            "light meets this medium up to {thickness:.0e} times on its way across, which takes very long"
+        );
+        parameters.warning(Fault::BadValue, "sigma_t", message);
+    }
+    let medium = Heterogeneous { extinction, albedo, scale, majorants };
+    Some(Medium { density: Density::Heterogeneous(Box::new(medium)), phase, sample_emitters })
+}
+
+impl Heterogeneous {
+    /// σt at a point, of flakes that show an area of one.
+    #[inline]
+    #[must_use]
+    pub fn extinction(&self, point: Vec3) -> Spectrum {
+        self.extinction.eval(point) * self.scale
+    }
+
+    /// The albedo at a point.
+    #[inline]
+    #[must_use]
+    pub fn albedo(&self, point: Vec3) -> Spectrum {
+        self.albedo.eval(point).min(Spectrum::ONE)
+    }
+
+    /// Finds the places along a ray where it may collide with the medium.
+    #[inline]
+    #[must_use]
+    pub fn track(&self, ray: &Ray) -> Tracker<'_> {
+        self.majorants.track(ray)
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.extinction.memory_bytes() + self.albedo.memory_bytes() + self.majorants.memory_bytes()
+    }
+}

@@ -1,0 +1,55 @@
+//! `constvolume`: the same value everywhere.
+
+use super::UNIT_CUBE;
+use crate::builder::{Builder, read_transform};
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+use etendue_math::{Bounds3, Transform};
+use etendue_spectrum::{Spectrum, SpectrumUse};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "The same value everywhere. A number or a colour in the place of a volume means this \
+              one. As the extinction of a `heterogeneous` medium it fills a box: the unit cube, \
+              placed by `to_world`.",
+    parameters: &[
+        parameter("value", "float or spectrum", "1", "The value."),
+        parameter("to_world", "transform", "", "Places the unit cube."),
+    ],
+    sample: r#"<volume type="constvolume"><rgb name="value" value="0.99, 0.8, 0.8"/></volume>"#,
+};
+
+/// The same value everywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstVolume {
+    color: Spectrum,
+    bounds: Bounds3,
+}
+
+/// Reads the volume.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<ConstVolume> {
+    let color = builder.constant_color(parameters, "value", 1.0, SpectrumUse::Unbounded);
+    Some(ConstVolume::new(color, &read_transform(parameters, "to_world")?))
+}
+
+impl ConstVolume {
+    /// A colour, in the unit cube placed by `to_world`.
+    #[must_use]
+    pub fn new(color: Spectrum, to_world: &Transform) -> Self {
+        Self { color, bounds: to_world.bounds(&UNIT_CUBE) }
+    }
+
+    /// The value.
+    #[inline]
+    #[must_use]
+    pub fn color(&self) -> Spectrum {
+        self.color
+    }
+
+    /// The box outside of which a medium of this volume is empty.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+}
