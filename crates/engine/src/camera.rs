@@ -1,11 +1,18 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
-use etendue_integrators::{Integrator, Start};
+use etendue_integrators::{Integrator, Screen, Start};
 use etendue_render::{Scene, SensorSetup};
 use etendue_sampling::SamplerSpec;
+use etendue_spectrum::Spectrum;
 use glam::{UVec2, Vec2};
 
+use crate::Splat;
 use crate::source::{Sample, SampleId, SampleSource};
+
+/// Where the random numbers of a sample's particle begin, beyond those of its camera ray.
+const PARTICLE_DIMENSION: u32 = 4;
+/// Where those begin that spread a particle's splats over pixels, far beyond those of its path.
+const FILTER_DIMENSION: u32 = 1 << 24;
 
 /// One camera of a scene, ready to be asked for samples.
 ///
@@ -80,5 +87,32 @@ impl SampleSource for Camera<'_> {
         let start = Start { ray: sensor.ray, medium: self.setup.medium };
         let radiance = self.integrator.sample_within(self.scene, &start, &mut stream, layers);
         Sample { color: radiance.color * sensor.weight, alpha: radiance.alpha, weight }
+    }
+
+    fn has_splats(&self) -> bool {
+        self.integrator.traces_particles()
+    }
+
+    fn splat(&self, id: SampleId, add: &mut dyn FnMut(Splat)) {
+        let size = UVec2::new(self.setup.film.width, self.setup.film.height);
+        let pixel_count = f64::from(size.x) * f64::from(size.y);
+        let pixel = UVec2::new(id.x, id.y);
+        let mut stream = self.sampler.start(pixel, id.index);
+        stream.set_dimension(PARTICLE_DIMENSION);
+        let mut filter_stream = stream;
+        filter_stream.set_dimension(FILTER_DIMENSION);
+        let mut deposit = |film_position: Vec2, color: Spectrum| {
+            // The filter is sampled, as it is for the camera's own samples.
+            let (offset, weight) = self.setup.film.filter.sample(filter_stream.next_2d());
+            let place = film_position * size.as_vec2() + offset;
+            if place.cmpge(Vec2::ZERO).all() {
+                let UVec2 { x, y } = place.as_uvec2();
+                let scale = f64::from(weight) * pixel_count;
+                add(Splat { x, y, color: color.rgb().map(|value| scale * f64::from(value)) });
+            }
+        };
+        let margin = self.setup.film.filter.radius() * self.pixel_size;
+        let screen = Screen { sensor: &self.setup.sensor, margin };
+        self.integrator.trace_particle(self.scene, screen, &mut stream, &mut deposit);
     }
 }

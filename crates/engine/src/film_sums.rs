@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::exact_sums::ExactSums;
 use crate::region::Region;
 use crate::source::SampleSource;
+use crate::splats::Splats;
 use crate::statistics::Defects;
 use crate::tile::{COLOR_CHANNELS, SQUARED_CHANNELS, Tile, TileKind};
 use crate::{EngineError, Job};
@@ -25,6 +26,8 @@ pub struct FilmSums {
     kind: TileKind,
     tile_side: u32,
     tiles: Vec<Mutex<Tile>>,
+    /// What particles left, if there are any.
+    splats: Option<Splats>,
 }
 
 /// Which channels a picture gets.
@@ -70,7 +73,17 @@ impl FilmSums {
         let tile_side = region.tile_side(thread_count);
         let tiles = region.tiles(tile_side);
         let tiles = tiles.into_iter().map(|tile| Mutex::new(Tile::new(tile, kind))).collect();
-        Ok(Self { region, layer_names: layer_names.to_vec(), kind, tile_side, tiles })
+        Ok(Self { region, layer_names: layer_names.to_vec(), kind, tile_side, tiles, splats: None })
+    }
+
+    /// The same with room for splats, in up to `memory_limit` bytes more.
+    ///
+    /// # Errors
+    ///
+    /// [`EngineError::FilmTooLarge`] if that is too little.
+    pub(crate) fn with_splats(self, memory_limit: u64) -> Result<Self, EngineError> {
+        let splats = Splats::new(self.region, memory_limit)?;
+        Ok(Self { splats: Some(splats), ..self })
     }
 
     /// The bytes that the sums of a job and its finished picture take together.
@@ -102,7 +115,7 @@ impl FilmSums {
         // long runs of tiles, whose cost may differ by a factor of ten.
         self.tiles.par_iter().with_max_len(1).for_each(|tile| {
             if go_on() {
-                done(lock(tile).render(source, end));
+                done(lock(tile).render(source, end, self.splats.as_ref()));
             }
         });
     }
@@ -151,7 +164,11 @@ impl FilmSums {
         picture.data_origin = [offset(self.region.x), offset(self.region.y)];
         for (channel, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
             if channel < 3 || channels.alpha {
-                picture.push(name, self.plane(|tile, pixel| tile.mean(pixel, channel)));
+                let mut plane = self.plane(|tile, pixel| tile.mean(pixel, channel));
+                if let Some(splats) = self.splats.as_ref().filter(|_| channel < 3) {
+                    splats.add_to(&mut plane, channel, self.sample_count());
+                }
+                picture.push(name, plane);
             }
         }
         for (layer, name) in self.layer_names.iter().enumerate() {

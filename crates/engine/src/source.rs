@@ -2,6 +2,8 @@
 
 use etendue_spectrum::Spectrum;
 
+use crate::Splat;
+
 /// Names one sample of a picture. With the seed, it decides everything about the sample.
 ///
 /// The order is that of rendering: by sample index, then down the picture, then along the row.
@@ -38,4 +40,12 @@ pub trait SampleSource: Sync {
 
     /// Takes one sample.
     fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample;
+
+    /// Whether samples leave splats, too.
+    fn has_splats(&self) -> bool {
+        false
+    }
+
+    /// Hands over what the sample leaves anywhere on the film.
+    fn splat(&self, _id: SampleId, _add: &mut dyn FnMut(Splat)) {}
 }

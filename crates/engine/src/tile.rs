@@ -4,6 +4,7 @@ use crate::SampleId;
 use crate::exact_sums::{ExactSums, SumsMut};
 use crate::region::Region;
 use crate::source::{Sample, SampleSource};
+use crate::splats::Splats;
 use crate::statistics::{Defect, Defects};
 
 /// Red, green, blue and alpha; the extra layers follow.
@@ -86,17 +87,45 @@ impl Tile {
     }
 
     /// Gives every pixel its samples up to, but not with, index `end`; returns how many were taken.
-    pub(crate) fn render<S: SampleSource>(&mut self, source: &S, end: u32) -> u64 {
+    /// Splats go to `splats`.
+    pub(crate) fn render<S: SampleSource>(
+        &mut self,
+        source: &S,
+        end: u32,
+        splats: Option<&Splats>,
+    ) -> u64 {
         let Region { x, y, width, height } = self.region;
         let count = end.saturating_sub(self.next_sample);
         for row in 0..if count > 0 { height } else { 0 } {
             for column in 0..width {
                 let pixel = row as usize * width as usize + column as usize;
                 self.render_pixel(source, pixel, [x + column, y + row], end);
+                if let Some(splats) = splats {
+                    self.render_splats(source, [x + column, y + row], end, splats);
+                }
             }
         }
         self.next_sample += count;
         self.region.pixel_count() * u64::from(count)
+    }
+
+    fn render_splats<S: SampleSource>(
+        &mut self,
+        source: &S,
+        [x, y]: [u32; 2],
+        end: u32,
+        splats: &Splats,
+    ) {
+        for index in self.next_sample..end {
+            let id = SampleId { index, y, x };
+            source.splat(id, &mut |splat| {
+                if splat.color.iter().all(|value| value.is_finite()) {
+                    splats.add(&splat);
+                } else {
+                    self.defects.add(Defect::NonFinite, id);
+                }
+            });
+        }
     }
 
     fn render_pixel<S: SampleSource>(

@@ -14,6 +14,7 @@ mod light;
 mod media;
 mod moment;
 mod path;
+mod ptracer;
 mod registry;
 mod volpath;
 mod volpathmis;
@@ -23,13 +24,16 @@ pub use depth::Depth;
 pub use direct::Direct;
 pub use moment::Moment;
 pub use path::Path;
+pub use ptracer::ParticleTracer;
 pub use registry::{INTEGRATORS, IntegratorOptions, build_integrator, plugins};
 pub use volpath::VolumePath;
 
 use etendue_math::Ray;
+use etendue_render::sensor::Sensor;
 use etendue_render::{MediumId, Scene};
 use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
+use glam::Vec2;
 
 /// What one camera sample sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +57,29 @@ pub struct Start {
     /// The medium that its origin lies in.
     pub medium: Option<MediumId>,
 }
+
+/// What particles leave their mark on.
+#[derive(Clone, Copy, Debug)]
+pub struct Screen<'a> {
+    /// The sensor.
+    pub sensor: &'a Sensor,
+    /// How far beyond the film's edges light counts, in sizes of the film: the reconstruction filter
+    /// brings it in.
+    pub margin: Vec2,
+}
+
+impl Screen<'_> {
+    /// Whether light at a place on the film counts.
+    #[must_use]
+    pub fn holds(&self, film_position: Vec2) -> bool {
+        let beyond = (film_position - 0.5).abs() - 0.5;
+        beyond.cmplt(self.margin).all()
+    }
+}
+
+/// Takes what a particle leaves on the film: the place on the whole film, which is [0, 1)², and what it
+/// adds to the film's mean radiance.
+pub type Deposit<'a> = dyn FnMut(Vec2, Spectrum) + 'a;
 
 /// A way to compute light.
 pub trait Integrator: Send + Sync {
@@ -81,5 +108,21 @@ pub trait Integrator: Send + Sync {
         layers: &mut [f32],
     ) -> Radiance {
         self.sample(scene, &start.ray, stream, layers)
+    }
+
+    /// Whether light comes by [`Self::trace_particle`], too.
+    fn traces_particles(&self) -> bool {
+        false
+    }
+
+    /// Sends one particle from an emitter through the scene, and leaves on the film what its sensor sees
+    /// of its path. The mean over particles adds to the picture of [`Self::sample`].
+    fn trace_particle(
+        &self,
+        _scene: &Scene,
+        _screen: Screen<'_>,
+        _stream: &mut SampleStream,
+        _deposit: &mut Deposit<'_>,
+    ) {
     }
 }

@@ -62,22 +62,26 @@ impl Path {
     /// Reads a path tracer.
     #[must_use]
     pub fn build(parameters: &Parameters<'_>, emitter_sampling: bool) -> Self {
-        let max_depth = parameters.integer("max_depth", -1);
-        if max_depth < -1 {
-            parameters.error(
-                Fault::BadValue,
-                "max_depth",
-                "expected −1 (no limit), or a length of 0 or more",
-            );
-        }
+        let (max_depth, rr_depth) = depths(parameters);
         Self {
-            max_depth: u32::try_from(max_depth).unwrap_or(u32::MAX),
-            rr_depth: parameters.integer_in("rr_depth", 5, 1..=i64::from(u32::MAX)) as u32,
+            max_depth,
+            rr_depth,
             hide_emitters: parameters.boolean("hide_emitters", false),
             strict_normals: parameters.boolean("strict_normals", false),
             emitter_sampling,
         }
     }
+}
+
+/// Reads the greatest length of paths, and the depth from which on they end by roulette.
+pub(crate) fn depths(parameters: &Parameters<'_>) -> (u32, u32) {
+    let max_depth = parameters.integer("max_depth", -1);
+    if max_depth < -1 {
+        let message = "expected −1 (no limit), or a length of 0 or more";
+        parameters.error(Fault::BadValue, "max_depth", message);
+    }
+    let rr_depth = parameters.integer_in("rr_depth", 5, 1..=i64::from(u32::MAX)) as u32;
+    (u32::try_from(max_depth).unwrap_or(u32::MAX), rr_depth)
 }
 
 /// A path on its way.

@@ -1,8 +1,8 @@
 //! Every integrator, one line each.
 
 use crate::{
-    Aov, Depth, Direct, Integrator, Moment, Path, VolumePath, aov, depth, direct, moment, path,
-    volpath, volpathmis,
+    Aov, Depth, Direct, Integrator, Moment, ParticleTracer, Path, VolumePath, aov, depth, direct,
+    moment, path, ptracer, volpath, volpathmis,
 };
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters};
 use etendue_render::Manual;
@@ -72,6 +72,7 @@ pub static INTEGRATORS: &[IntegratorPlugin] = &[
     plugin("path", &path::MANUAL, |b| {
         Some(Box::new(Path::build(b.parameters, b.options.emitter_sampling)))
     }),
+    plugin("ptracer", &ptracer::MANUAL, |b| Some(Box::new(ParticleTracer::build(b.parameters)))),
     plugin("volpath", &volpath::MANUAL, |b| {
         Some(Box::new(VolumePath::build(b.parameters, b.options.emitter_sampling)))
     }),

@@ -67,7 +67,6 @@ static APPROXIMATED: &[Approximated] = &[
     approximated(Class::Integrator, "mlt", "path", SAME_LIGHT),
     approximated(Class::Integrator, "pssmlt", "path", SAME_LIGHT),
     approximated(Class::Integrator, "erpt", "path", SAME_LIGHT),
-    approximated(Class::Integrator, "ptracer", "path", SAME_LIGHT),
     approximated(Class::Integrator, "ppm", "path", NO_BIAS),
     approximated(Class::Integrator, "sppm", "path", NO_BIAS),
     approximated(Class::Integrator, "photonmapper", "path", NO_BIAS),

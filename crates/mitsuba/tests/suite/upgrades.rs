@@ -56,18 +56,7 @@ fn renamed_parameters() {
 
 #[test]
 fn integrators_this_version_lacks_become_path() {
-    for plugin in [
-        "bdpt",
-        "mlt",
-        "pssmlt",
-        "erpt",
-        "ppm",
-        "sppm",
-        "photonmapper",
-        "vpl",
-        "ptracer",
-        "prb",
-    ] {
+    for plugin in ["bdpt", "mlt", "pssmlt", "erpt", "ppm", "sppm", "photonmapper", "vpl", "prb"] {
         let loaded = approximated(
             &format!(
                 "<integrator type='{plugin}'><integer name='maxDepth' value='7'/>

@@ -75,10 +75,7 @@ fn the_mean_cosine_is_g() {
     for g in [-0.7_f32, 0.3, 0.9] {
         let phase = phase(&format!(r#"<phase type="hg"><float name="g" value="{g}"/></phase>"#));
         let site = sites()[0];
-        let mean = integrate_sphere(
-            |wo| f64::from(phase.eval(&site, wo) * wo.dot(-site.wi)),
-            1e-6,
-        );
+        let mean = integrate_sphere(|wo| f64::from(phase.eval(&site, wo) * wo.dot(-site.wi)), 1e-6);
         assert!((mean - f64::from(g)).abs() < 1e-4, "{g}: {mean}");
     }
 }
@@ -86,8 +83,9 @@ fn the_mean_cosine_is_g() {
 /// Values that Mitsuba 3.9.1 gives.
 #[test]
 fn values_are_mitsubas() {
-    let [a, b, c] = [Vec3::new(0.3, -0.5, 0.7), Vec3::new(-0.1, 0.9, 0.2), Vec3::new(0.6, 0.4, 0.5)]
-        .map(Vec3::normalize);
+    let [a, b, c] =
+        [Vec3::new(0.3, -0.5, 0.7), Vec3::new(-0.1, 0.9, 0.2), Vec3::new(0.6, 0.4, 0.5)]
+            .map(Vec3::normalize);
     let pairs = [(a, b), (a, c), (b, c)];
     let cases = [
         (3, [0.020_870_16, 0.005_850_442, 0.005_397_206]),

@@ -8,17 +8,20 @@
 //!   one.
 //! - `to_world` may scale: distances and the aperture are then in the camera's units.
 
+mod connection;
 pub(crate) mod field_of_view;
 pub mod orthographic;
 pub mod perspective;
 mod plane;
 pub mod thinlens;
 
+pub use connection::Connection;
+
 use crate::builder::read_transform;
 use crate::manual::{ParameterManual, parameter};
 use etendue_document::{Fault, Parameters};
 use etendue_math::{Ray, Transform};
-use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec2};
+use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec2, Vec3};
 
 /// A sensor of the scene.
 #[derive(Clone, Debug)]
@@ -159,6 +162,27 @@ impl SensorCommon {
             return None;
         }
         to_world.map(|_| common)
+    }
+
+    /// The connection of a point with an origin on the lens, given the point's distance along the view in
+    /// camera space, and what [`connection::pinhole`] says.
+    fn connection(
+        &self,
+        point: Vec3,
+        (origin, depth): (Vec3, f32),
+        (film_position, importance): (Vec2, f32),
+    ) -> Option<Connection> {
+        if !(self.near_clip..=self.far_clip).contains(&depth) {
+            return None;
+        }
+        let path = origin - point;
+        let distance = path.length();
+        Some(Connection {
+            film_position,
+            direction: path / distance,
+            distance: distance * (1.0 - self.near_clip / depth),
+            importance: importance / (distance * distance),
+        })
     }
 
     /// Warns where the camera's picture is stretched.

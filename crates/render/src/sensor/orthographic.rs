@@ -1,7 +1,8 @@
 //! `orthographic`: parallel rays.
 
 use super::{
-    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, TO_WORLD,
+    Connection, FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon,
+    TO_WORLD,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
@@ -68,6 +69,21 @@ impl Orthographic {
     pub(super) fn ray(&self, film_position: Vec2) -> Ray {
         let origin = self.corner + self.across * film_position.x + self.down * film_position.y;
         Ray::segment(origin, self.direction, self.length)
+    }
+
+    /// The reverse of [`Self::ray`]: light that leaves along the view shows, on a film whose unit square
+    /// covers a rectangle of the scene.
+    pub(super) fn connect(&self, point: Vec3) -> Option<Connection> {
+        let local = self.common.to_world.inverse_point(point);
+        let (near, far) = (self.common.near_clip, self.common.far_clip);
+        let film_position =
+            Vec2::new(0.5 - 0.5 * local.x, 0.5 - 0.5 * local.y * self.aspect as f32);
+        (near..=far).contains(&local.z).then(|| Connection {
+            film_position,
+            direction: -self.direction,
+            distance: (local.z - near) / (far - near) * self.length,
+            importance: 1.0 / self.across.cross(self.down).length(),
+        })
     }
 
     /// Camera space to the film, z being 0 at the near and 1 at the far plane.

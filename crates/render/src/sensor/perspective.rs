@@ -1,5 +1,6 @@
 //! `perspective`: a pinhole camera.
 
+use super::connection::{Connection, pinhole};
 use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use super::plane::{ImagePlane, View};
 use super::{
@@ -96,6 +97,13 @@ impl Perspective {
             direction / length,
             self.plane.length * length,
         )
+    }
+
+    /// The reverse of [`Self::ray`].
+    pub(super) fn connect(&self, point: Vec3) -> Option<Connection> {
+        let local = self.common.to_world.inverse_point(point);
+        let (film_position, importance) = pinhole(&self.view, local, local.truncate() / local.z)?;
+        self.common.connection(point, (self.origin, local.z), (film_position, importance))
     }
 
     pub(super) fn projection(&self) -> DMat4 {

@@ -1,5 +1,6 @@
 //! `thinlens`: a camera with one distance in focus.
 
+use super::connection::{Connection, pinhole};
 use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use super::plane::{ImagePlane, View};
 use super::{
@@ -60,6 +61,7 @@ const MAX_RATIO: f64 = 1e6;
 pub struct ThinLens {
     pub(super) common: SensorCommon,
     view: View,
+    lens: Lens,
     centre: Vec3,
     /// The aperture's two half axes in world space.
     aperture: [Vec3; 2],
@@ -97,6 +99,7 @@ pub fn build(
 }
 
 /// A lens in camera space.
+#[derive(Clone, Copy, Debug)]
 struct Lens {
     radius: f64,
     focus_distance: f64,
@@ -110,6 +113,7 @@ impl ThinLens {
         Self {
             common,
             view,
+            lens,
             centre: common.to_world.point(Vec3::ZERO),
             aperture: half_axes.map(|axis| axis.as_vec3()),
             tilt: half_axes.map(|axis| (axis / focus_distance).as_vec3()),
@@ -130,6 +134,19 @@ impl ThinLens {
             direction / length,
             self.plane.length * length,
         )
+    }
+
+    /// The reverse of [`Self::ray`].
+    pub(super) fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
+        let local = self.common.to_world.inverse_point(point);
+        let disk = warp::concentric_disk::sample(aperture);
+        let lens = (disk * self.lens.radius as f32).extend(0.0);
+        let path = local - lens;
+        // The film shows what lies in focus, at this share of the focus distance.
+        let focus = lens.truncate() / self.lens.focus_distance as f32 + path.truncate() / path.z;
+        let (film_position, importance) = pinhole(&self.view, path, focus)?;
+        let origin = self.centre + self.aperture[0] * disk.x + self.aperture[1] * disk.y;
+        self.common.connection(point, (origin, path.z), (film_position, importance))
     }
 
     pub(super) fn projection(&self) -> DMat4 {

@@ -1,0 +1,143 @@
+//! Light that is traced from its source makes the picture that light traced from the camera makes.
+
+use etendue_document::{Diagnostics, MemoryResources};
+use etendue_engine::{
+    Budget, Camera, Cancel, Channels, Job, Region, Silent, Workers, render_samples,
+};
+use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
+use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_render::{BuildOptions, Scene, build_scene};
+use etendue_sampling::SamplerSpec;
+use etendue_testkit::{Accumulator, welch};
+
+const SIZE: u32 = 16;
+
+fn build(text: &str, integrator: &str) -> (Scene, Box<dyn Integrator>) {
+    let diagnostics = Diagnostics::new();
+    let files = MemoryResources::default();
+    let text = format!(
+        "<scene version=\"3.0.0\"><integrator type=\"{integrator}\">
+        <integer name=\"max_depth\" value=\"4\"/></integrator>{text}</scene>"
+    );
+    let built =
+        load_str(&text, &files, &LoadOptions::default(), &diagnostics).and_then(|document| {
+            let scene = build_scene(&document, &files, &diagnostics, &BuildOptions::default())?;
+            let options = IntegratorOptions::default();
+            let integrator = build_integrator(&document, &options, &diagnostics)?;
+            Some((scene, integrator))
+        });
+    built.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
+}
+
+fn sensor(kind: &str, inner: &str) -> String {
+    format!(
+        "<sensor type=\"{kind}\">{inner}
+        <transform name=\"to_world\"><scale value=\"1.3\"/>
+            <lookat origin=\"0.3, 4, 1.5\" target=\"0, 0, 0.3\" up=\"0, 0, 1\"/></transform>
+        <film type=\"hdrfilm\"><integer name=\"width\" value=\"{SIZE}\"/>
+            <integer name=\"height\" value=\"{SIZE}\"/><rfilter type=\"tent\"/></film>
+        <sampler type=\"independent\"/></sensor>"
+    )
+}
+
+/// Rough things on a floor, and a mesh with shading normals of its own.
+const OBJECTS: &str = r#"
+    <shape type="rectangle"><transform name="to_world"><scale value="2"/></transform>
+        <bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.5, 0.3"/></bsdf></shape>
+    <shape type="sphere"><point name="center" x="-0.6" y="0" z="0.5"/>
+        <float name="radius" value="0.5"/><bsdf type="roughplastic"><float name="alpha" value="0.3"/></bsdf></shape>
+    <shape type="cube"><transform name="to_world"><scale value="0.3"/>
+        <translate x="0.7" y="0.4" z="0.4"/></transform>
+        <bsdf type="roughdielectric"><float name="alpha" value="0.4"/></bsdf></shape>"#;
+
+/// The means of the quarters of pictures of several seeds, as `quarter × channel`.
+fn quarters(text: &str, integrator: &str, seeds: u64) -> Vec<Accumulator> {
+    let (scene, integrator) = build(text, integrator);
+    let setup = &scene.sensors()[0];
+    let workers = Workers::new(None).unwrap();
+    let mut means = vec![Accumulator::default(); 12];
+    for seed in 0..seeds {
+        let sampler = SamplerSpec::new(setup.sampler.kind(), 64, seed);
+        let camera = Camera::new(&scene, setup, sampler, &*integrator);
+        let budget = Budget { samples_per_pixel: Some(64), time: None };
+        let region = Region { x: 0, y: 0, width: SIZE, height: SIZE };
+        let job = Job { region, first_sample: 0, budget, variance: false, memory_limit: 1 << 30 };
+        let (film, _) = render_samples(&camera, &job, &workers, &Silent, &Cancel::new()).unwrap();
+        let picture = film.develop(Channels::default());
+        for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+            let data = &picture.channel(name).unwrap().data;
+            let half = SIZE as usize / 2;
+            for quarter in 0..4 {
+                let (left, top) = (quarter % 2 * half, quarter / 2 * half);
+                let rows = data.chunks(SIZE as usize).skip(top).take(half);
+                let sum: f32 = rows.flat_map(|row| &row[left..left + half]).sum();
+                means[3 * quarter + channel].add(f64::from(sum) / (half * half) as f64);
+            }
+        }
+    }
+    means
+}
+
+#[test]
+fn particles_and_paths_make_the_same_picture() {
+    let sensors = [
+        sensor(
+            "perspective",
+            "<float name=\"fov\" value=\"40\"/>
+             <float name=\"principal_point_offset_x\" value=\"0.1\"/>",
+        ),
+        sensor(
+            "thinlens",
+            "<float name=\"fov\" value=\"40\"/><float name=\"aperture_radius\" value=\"0.2\"/>
+             <float name=\"focus_distance\" value=\"2\"/>",
+        ),
+        sensor("orthographic", ""),
+    ];
+    let lights = [
+        r#"<emitter type="point"><point name="position" x="0" y="1" z="2.5"/>
+            <rgb name="intensity" value="5"/></emitter>"#,
+        r#"<shape type="rectangle"><transform name="to_world"><scale value="0.4"/>
+            <rotate x="1" angle="200"/><translate y="0.5" z="2"/></transform>
+            <emitter type="area"><rgb name="radiance" value="6, 4, 2"/></emitter></shape>
+           <emitter type="directional"><vector name="direction" x="0.2" y="-0.3" z="-1"/></emitter>"#,
+        r#"<emitter type="constant"/>"#,
+    ];
+    for sensor in &sensors {
+        for light in lights {
+            let text = format!("{sensor}{OBJECTS}{light}");
+            let (paths, particles) = (quarters(&text, "path", 12), quarters(&text, "ptracer", 12));
+            for (index, (path, particle)) in paths.iter().zip(&particles).enumerate() {
+                // 108 comparisons in all.
+                let outcome = welch(path, particle);
+                assert!(
+                    outcome.accepts(1e-5),
+                    "{sensor} {light} {index}: {} {} {outcome:?}",
+                    path.mean(),
+                    particle.mean()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn threads_and_divided_runs_leave_the_same_splats() {
+    let light = r#"<emitter type="constant"/>"#;
+    let text = format!("{}{OBJECTS}{light}", sensor("perspective", ""));
+    let (scene, integrator) = build(&text, "ptracer");
+    let setup = &scene.sensors()[0];
+    let camera = Camera::new(&scene, setup, setup.sampler, &*integrator);
+    let picture = |threads: usize| {
+        let budget = Budget { samples_per_pixel: Some(16), time: None };
+        let region = Region { x: 3, y: 0, width: SIZE - 3, height: SIZE };
+        let job = Job { region, first_sample: 0, budget, variance: false, memory_limit: 1 << 30 };
+        let workers = Workers::new(std::num::NonZeroUsize::new(threads)).unwrap();
+        let (film, _) = render_samples(&camera, &job, &workers, &Silent, &Cancel::new()).unwrap();
+        film.develop(Channels::default())
+    };
+    let one = picture(1);
+    assert!(one.channel("R").unwrap().data.iter().any(|value| *value > 0.0));
+    for threads in [2, 5] {
+        assert_eq!(picture(threads), one, "{threads} threads");
+    }
+}

@@ -1,0 +1,229 @@
+//! `ptracer`: particles from the lights, which leave their mark on the film.
+
+use crate::light::{Origin, distant, emitted, first_hit};
+use crate::path::depths;
+use crate::{Deposit, Integrator, Radiance, Screen};
+use etendue_document::Parameters;
+use etendue_math::Ray;
+use etendue_render::bsdf::{Bsdf, Lobe, Transport};
+use etendue_render::sensor::Connection;
+use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
+use etendue_sampling::SampleStream;
+use etendue_spectrum::Spectrum;
+use glam::Vec2;
+
+/// The manual page.
+pub(crate) const MANUAL: Manual = Manual {
+    summary: "Light tracing: particles start at the emitters and are scattered through the scene; whatever \
+              they meet is connected with the camera. Good where light takes a narrow way out, such as \
+              caustics; bad where the camera sees little of what is lit, and blind where it looks into a \
+              mirror. Emitters that are seen directly are left to camera rays. For every sample of a pixel \
+              there is one particle. Sensors: `perspective`, `thinlens` and `orthographic`.",
+    parameters: &[
+        ParameterManual {
+            name: "max_depth",
+            kind: "integer",
+            default: "-1",
+            meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit.",
+        },
+        ParameterManual {
+            name: "rr_depth",
+            kind: "integer",
+            default: "5",
+            meaning: "From this depth on, paths end by Russian roulette.",
+        },
+        ParameterManual {
+            name: "hide_emitters",
+            kind: "boolean",
+            default: "false",
+            meaning: "The camera does not see emitters.",
+        },
+        ParameterManual {
+            name: "samples_per_pass",
+            kind: "integer",
+            default: "",
+            meaning: "Accepted and without effect: passes follow the clock.",
+        },
+    ],
+    sample: r#"<integrator type="ptracer"><integer name="max_depth" value="8"/></integrator>"#,
+};
+
+/// The particle tracer.
+#[derive(Clone, Debug)]
+pub struct ParticleTracer {
+    max_depth: u32,
+    rr_depth: u32,
+    hide_emitters: bool,
+}
+
+/// Connections end short of the lens by this share of their length, as far as a rounded distance may
+/// be wrong.
+const CONNECTION_LENGTH: f32 = 1.0 - 2e-5;
+
+/// A particle on its way.
+struct Particle {
+    ray: Ray,
+    /// The power that it carries.
+    power: Spectrum,
+    /// The power that it started with, for roulette.
+    start: f32,
+    /// The index of refraction here relative to the light's.
+    eta: f32,
+}
+
+impl ParticleTracer {
+    /// Reads a particle tracer.
+    #[must_use]
+    pub fn build(parameters: &Parameters<'_>) -> Self {
+        parameters.optional_integer("samples_per_pass");
+        let (max_depth, rr_depth) = depths(parameters);
+        let hide_emitters = parameters.boolean("hide_emitters", false);
+        Self { max_depth, rr_depth, hide_emitters }
+    }
+
+    /// Lets a particle start at an emitter.
+    fn emit(scene: &Scene, stream: &mut SampleStream) -> Option<Particle> {
+        let mut choice_random = stream.next_1d();
+        let (place, direction) = (stream.next_2d(), stream.next_2d());
+        let choice = scene.choose_emitter(&mut choice_random)?;
+        let leaving = scene.emitter(choice.emitter).sample_leaving(scene, place, direction)?;
+        let power = leaving.power / choice.probability;
+        Some(Particle { ray: leaving.ray, power, start: power.max_component(), eta: 1.0 })
+    }
+
+    /// What the camera sees of a vertex of a particle's path.
+    fn connect(
+        &self,
+        scene: &Scene,
+        (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
+        particle: &Particle,
+        connection: &Connection,
+    ) -> Spectrum {
+        let hidden = self.hide_emitters && scene.emitter_of(surface).is_some();
+        if hidden || !bsdf.has_smooth_lobe() {
+            return Spectrum::ZERO;
+        }
+        let wo = surface.to_local(connection.direction);
+        let (value, _) = bsdf.eval_pdf(surface.wi, wo, Transport::Importance);
+        let scale = shading_correction(surface, particle.ray.direction, connection.direction)
+            * connection.importance;
+        let color = particle.power * value * scale;
+        if color.is_black() || !color.is_finite() || self.is_blocked(scene, surface, connection) {
+            return Spectrum::ZERO;
+        }
+        color
+    }
+
+    /// Whether something stands between a surface and the camera.
+    fn is_blocked(
+        &self,
+        scene: &Scene,
+        surface: &SurfaceInteraction,
+        connection: &Connection,
+    ) -> bool {
+        let mut ray = surface.spawn_ray(connection.direction);
+        ray.t_max = connection.distance * CONNECTION_LENGTH;
+        if !self.hide_emitters {
+            return scene.occluded(&ray);
+        }
+        first_hit(scene, &ray, self.hide_emitters).is_some()
+    }
+
+    /// Goes on from a vertex; false where the particle ends.
+    fn scatter(
+        &self,
+        (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
+        particle: &mut Particle,
+        stream: &mut SampleStream,
+        depth: u32,
+    ) -> bool {
+        let direction = stream.next_2d();
+        let Vec2 { x: lobe, y: roulette } = stream.next_independent_2d();
+        let Some(sample) = bsdf.sample(surface.wi, lobe, direction, Transport::Importance) else {
+            return false;
+        };
+        let direction = surface.to_world(sample.wo);
+        let correction = match sample.lobe {
+            Lobe::Null => 1.0,
+            _ => shading_correction(surface, particle.ray.direction, direction),
+        };
+        particle.power *= sample.weight * correction;
+        particle.eta *= sample.eta;
+        particle.ray = surface.spawn_ray(direction);
+        if particle.power.is_black() || !particle.power.is_finite() {
+            return false;
+        }
+        if depth >= self.rr_depth {
+            let share = particle.power.max_component() / particle.start;
+            let probability = (share * particle.eta * particle.eta).min(0.95);
+            if roulette >= probability {
+                return false;
+            }
+            particle.power *= 1.0 / probability;
+        }
+        true
+    }
+}
+
+/// What shading normals cost light that is traced from its source: |wi·Ns| |wo·Ng| / (|wi·Ng| |wo·Ns|),
+/// wi being where the particle comes from (Veach, *Robust Monte Carlo Methods for Light Transport
+/// Simulation*, 1997, section 5.3).
+fn shading_correction(
+    surface: &SurfaceInteraction,
+    travelled: glam::Vec3,
+    outgoing: glam::Vec3,
+) -> f32 {
+    let shading = surface.shading.n;
+    let above = travelled.dot(shading) * outgoing.dot(surface.normal);
+    let below = travelled.dot(surface.normal) * outgoing.dot(shading);
+    (above / below).abs()
+}
+
+impl Integrator for ParticleTracer {
+    /// What the camera sees shine by itself.
+    fn sample(&self, scene: &Scene, ray: &Ray, _: &mut SampleStream, _: &mut [f32]) -> Radiance {
+        let seen = Origin { point: ray.origin, pdf: None };
+        let is_seen = self.max_depth > 0;
+        let Some(surface) = first_hit(scene, ray, self.hide_emitters) else {
+            if self.hide_emitters || scene.environments().is_empty() {
+                return Radiance::NONE;
+            }
+            let color = distant(scene, ray.direction, &seen);
+            return Radiance { color: if is_seen { color } else { Spectrum::ZERO }, alpha: 1.0 };
+        };
+        let color = emitted(scene, &surface, ray.direction, &seen);
+        Radiance { color: if is_seen { color } else { Spectrum::ZERO }, alpha: 1.0 }
+    }
+
+    fn traces_particles(&self) -> bool {
+        true
+    }
+
+    fn trace_particle(
+        &self,
+        scene: &Scene,
+        screen: Screen<'_>,
+        stream: &mut SampleStream,
+        deposit: &mut Deposit<'_>,
+    ) {
+        let Some(mut particle) = Self::emit(scene, stream) else { return };
+        // The last edge leads to the camera.
+        let mut depth = 1;
+        while depth < self.max_depth {
+            let Some(surface) = scene.intersect(&particle.ray) else { return };
+            let bsdf = scene.prepare_bsdf(&surface);
+            let connection = screen.sensor.connect(surface.point, stream.next_2d());
+            let connection = connection.filter(|found| screen.holds(found.film_position));
+            if let Some(connection) = connection {
+                let color = self.connect(scene, (&surface, &bsdf), &particle, &connection);
+                if !color.is_black() {
+                    deposit(connection.film_position, color);
+                }
+            }
+            if !self.scatter((&surface, &bsdf), &mut particle, stream, depth) {
+                return;
+            }
+            depth += 1;
+        }
+    }
+}
