@@ -21,6 +21,8 @@ pub enum EngineError {
     BadRegion,
     /// The budget has no samples, or neither samples nor time are limited.
     NoBudget,
+    /// Films that are to be merged have other pixels or layers, or are not finished.
+    OtherFilm,
     /// The operating system does not give the threads, for this reason.
     Threads(String),
 }
@@ -36,6 +38,10 @@ impl fmt::Display for EngineError {
             ),
             Self::BadRegion => write!(formatter, "the part to render has no pixels of the film"),
             Self::NoBudget => write!(formatter, "there is neither a number of samples nor a time"),
+            Self::OtherFilm => write!(
+                formatter,
+                "films of other pixels or layers, or with unfinished samples, cannot be merged"
+            ),
             Self::Threads(reason) => write!(formatter, "threads cannot be started: {reason}"),
         }
     }

@@ -10,7 +10,7 @@ use crate::region::Region;
 use crate::source::SampleSource;
 use crate::splats::Splats;
 use crate::statistics::Defects;
-use crate::tile::{COLOR_CHANNELS, SQUARED_CHANNELS, Tile, TileKind};
+use crate::tile::{COLOR_CHANNELS, Tile, TileKind};
 use crate::{EngineError, Job};
 
 /// What every sample so far adds up to, per pixel and channel, in sums that do not depend on any
@@ -55,22 +55,30 @@ impl FilmSums {
         layer_names: &[String],
         thread_count: usize,
     ) -> Result<Self, EngineError> {
-        let region = job.region;
-        if region.pixel_count() == 0 {
-            return Err(EngineError::BadRegion);
-        }
-        let bytes = Self::memory_needed(job, layer_names.len());
-        if bytes > job.memory_limit {
-            let Region { width, height, .. } = region;
-            let limit = job.memory_limit;
-            return Err(EngineError::FilmTooLarge { width, height, bytes, limit });
-        }
         let kind = TileKind {
             layer_count: layer_names.len(),
             variance: job.variance,
             first_sample: job.first_sample,
         };
-        let tile_side = region.tile_side(thread_count);
+        let tile_side = job.region.tile_side(thread_count);
+        Self::with_tiles(job.region, layer_names, kind, (tile_side, job.memory_limit))
+    }
+
+    /// The same with tiles of a given side.
+    pub(crate) fn with_tiles(
+        region: Region,
+        layer_names: &[String],
+        kind: TileKind,
+        (tile_side, memory_limit): (u32, u64),
+    ) -> Result<Self, EngineError> {
+        if region.pixel_count() == 0 {
+            return Err(EngineError::BadRegion);
+        }
+        let bytes = memory_needed(region, kind);
+        if bytes > memory_limit {
+            let Region { width, height, .. } = region;
+            return Err(EngineError::FilmTooLarge { width, height, bytes, limit: memory_limit });
+        }
         let tiles = region.tiles(tile_side);
         let tiles = tiles.into_iter().map(|tile| Mutex::new(Tile::new(tile, kind))).collect();
         Ok(Self { region, layer_names: layer_names.to_vec(), kind, tile_side, tiles, splats: None })
@@ -88,11 +96,8 @@ impl FilmSums {
 
     /// The bytes that the sums of a job and its finished picture take together.
     pub fn memory_needed(job: &Job, layer_count: usize) -> u64 {
-        let channel_count = (COLOR_CHANNELS + layer_count) as u64;
-        let squared_count = if job.variance { SQUARED_CHANNELS as u64 } else { 0 };
-        let sums = ExactSums::BYTES * (channel_count + squared_count) + 4;
-        let picture = 4 * (channel_count + squared_count);
-        job.region.pixel_count().saturating_mul(sums + picture)
+        let (variance, first_sample) = (job.variance, job.first_sample);
+        memory_needed(job.region, TileKind { layer_count, variance, first_sample })
     }
 
     /// Where the pixels lie in the film.
@@ -199,13 +204,114 @@ impl FilmSums {
         plane
     }
 
+    /// Adds the samples of another film of the same pixels and layers, which it must not share any
+    /// sample with. Whatever the order of merges, the sums are those of one render.
+    ///
+    /// # Errors
+    ///
+    /// [`EngineError::OtherFilm`] if pixels, layers or variances are not the same, or if a pixel of
+    /// either has more or fewer samples than the rest.
+    pub fn merge(&mut self, other: &Self) -> Result<(), EngineError> {
+        let is_even = |film: &Self| {
+            let [least, most] = film.samples_per_pixel();
+            least == most
+        };
+        let is_same = (self.region, &self.layer_names, self.kind.variance)
+            == (other.region, &other.layer_names, other.kind.variance);
+        if !is_same || !is_even(self) || !is_even(other) {
+            return Err(EngineError::OtherFilm);
+        }
+        let [count, _] = self.samples_per_pixel();
+        let [other_count, _] = other.samples_per_pixel();
+        self.kind.first_sample = self.kind.first_sample.min(other.kind.first_sample);
+        let (first, count) = (self.kind.first_sample, count.saturating_add(other_count));
+        let places = self.tile_places();
+        for tile in other.tiles() {
+            self.merge_tile(&tile, &places);
+        }
+        for tile in self.tiles_mut() {
+            tile.next_sample = first.saturating_add(count);
+        }
+        Ok(())
+    }
+
+    /// Adds a tile of a film whose tiles may be of another size.
+    fn merge_tile(&mut self, other: &Tile, places: &[usize]) {
+        let Region { x, y, width, .. } = other.region;
+        let columns = self.region.width.div_ceil(self.tile_side);
+        for other_pixel in 0..other.counts.len() {
+            // Tiles have at most 16 pixels on a side.
+            let pixel_x = x + other_pixel as u32 % width;
+            let pixel_y = y + other_pixel as u32 / width;
+            let column = (pixel_x - self.region.x) / self.tile_side;
+            let row = (pixel_y - self.region.y) / self.tile_side;
+            let tile = unlocked(&mut self.tiles[places[(row * columns + column) as usize]]);
+            let pixel = (pixel_y - tile.region.y) * tile.region.width + pixel_x - tile.region.x;
+            tile.merge_pixel(pixel as usize, other, other_pixel);
+            if other_pixel == 0 {
+                tile.defects.merge(&other.defects);
+            }
+        }
+    }
+
+    /// The index of each tile, row by row.
+    fn tile_places(&self) -> Vec<usize> {
+        let columns = self.region.width.div_ceil(self.tile_side) as usize;
+        let mut places = vec![0; self.tiles.len()];
+        for (index, tile) in self.tiles().enumerate() {
+            let column = (tile.region.x - self.region.x) / self.tile_side;
+            let row = (tile.region.y - self.region.y) / self.tile_side;
+            places[row as usize * columns + column as usize] = index;
+        }
+        places
+    }
+
+    /// The names of the layers beside the colour.
+    pub fn layer_names(&self) -> &[String] {
+        &self.layer_names
+    }
+
+    /// Whether squares are summed.
+    pub fn has_variance(&self) -> bool {
+        self.kind.variance
+    }
+
+    /// The side of all tiles but those that the film's edge cuts.
+    pub(crate) fn tile_side(&self) -> u32 {
+        self.tile_side
+    }
+
+    pub(crate) fn tile_count(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// One tile, locked.
+    pub(crate) fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
+        lock(&self.tiles[index])
+    }
+
     /// The tiles, each locked while it is looked at.
     fn tiles(&self) -> impl Iterator<Item = MutexGuard<'_, Tile>> {
         self.tiles.iter().map(lock)
     }
+
+    /// The tiles while nobody else has any.
+    pub(crate) fn tiles_mut(&mut self) -> impl Iterator<Item = &mut Tile> {
+        self.tiles.iter_mut().map(unlocked)
+    }
+}
+
+fn memory_needed(region: Region, kind: TileKind) -> u64 {
+    let sums = ExactSums::BYTES * kind.sums_per_pixel() + 4;
+    let picture = 4 * kind.sums_per_pixel();
+    region.pixel_count().saturating_mul(sums + picture)
 }
 
 /// A panic in a sample leaves whole sums: they are only added to after it.
 fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
     tile.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn unlocked(tile: &mut Mutex<Tile>) -> &mut Tile {
+    tile.get_mut().unwrap_or_else(PoisonError::into_inner)
 }

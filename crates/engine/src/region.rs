@@ -15,7 +15,7 @@ pub struct Region {
 
 /// Side lengths of tiles in pixels, the preferred one first. All keep a tile's sums within the
 /// second-level cache; the smaller ones exist to have work for many threads.
-const TILE_SIDES: [u32; 3] = [16, 8, 4];
+pub(crate) const TILE_SIDES: [u32; 3] = [16, 8, 4];
 
 /// With this many tiles per thread, the last tile of a pass costs each thread little waiting.
 const TILES_PER_THREAD: u64 = 32;

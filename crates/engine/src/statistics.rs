@@ -5,7 +5,7 @@ use std::time::Duration;
 use crate::SampleId;
 
 /// How many defective samples keep their names; a broken material can make millions.
-const KEPT: usize = 8;
+pub(crate) const KEPT: usize = 8;
 
 /// Why a sample was left out of its pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -43,6 +43,14 @@ pub(crate) struct TileKind {
     pub(crate) first_sample: u32,
 }
 
+impl TileKind {
+    /// Sums of values and of squares.
+    pub(crate) fn sums_per_pixel(self) -> u64 {
+        let squared = if self.variance { SQUARED_CHANNELS } else { 0 };
+        (COLOR_CHANNELS + self.layer_count + squared) as u64
+    }
+}
+
 impl Tile {
     pub(crate) fn new(region: Region, kind: TileKind) -> Self {
         let pixel_count = region.pixel_count() as usize;
@@ -57,6 +65,21 @@ impl Tile {
             layers: vec![0.0; kind.layer_count],
             next_sample: kind.first_sample,
             defects: Defects::default(),
+        }
+    }
+
+    /// Adds the samples of one pixel of another tile to one of this one.
+    pub(crate) fn merge_pixel(&mut self, pixel: usize, other: &Self, other_pixel: usize) {
+        self.counts[pixel] = self.counts[pixel].saturating_add(other.counts[other_pixel]);
+        let merge = |sums: &mut ExactSums, others: &ExactSums, count: usize| {
+            for channel in 0..count {
+                let raw = others.raw(other_pixel * count + channel);
+                sums.merge_one(pixel * count + channel, raw);
+            }
+        };
+        merge(&mut self.sums, &other.sums, self.channel_count);
+        if !self.squares.is_empty() {
+            merge(&mut self.squares, &other.squares, SQUARED_CHANNELS);
         }
     }
 

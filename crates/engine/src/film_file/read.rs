@@ -1,0 +1,224 @@
+//! From bytes to sums. The bytes may be anybody's: nothing is taken on trust.
+
+use std::io::Read;
+
+use super::bytes::{Cursor, HashingReader};
+use super::{CHECKSUM_BYTES, FilmFileError, FilmRecord, MAGIC, PREFIX_BYTES, VERSION};
+use crate::SampleId;
+use crate::exact_sums::ExactSums;
+use crate::film_sums::FilmSums;
+use crate::region::{Region, TILE_SIDES};
+use crate::statistics::{Defect, Defects, KEPT};
+use crate::tile::{Tile, TileKind};
+
+/// A film's file whose header has been read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmFile {
+    /// What the file says beside the sums.
+    pub record: FilmRecord,
+    /// The pixels.
+    pub region: Region,
+    /// The index of every pixel's first sample.
+    pub first_sample: u32,
+    /// Samples that every pixel has, at least.
+    pub samples_per_pixel: u32,
+    /// The names of the extra layers.
+    pub layer_names: Vec<String>,
+    /// Whether there are squares, for variances.
+    pub variance: bool,
+    tile_side: u32,
+    header: Vec<u8>,
+}
+
+/// A header longer than this is none.
+const MAX_HEADER_BYTES: u32 = 1 << 20;
+
+impl FilmFile {
+    /// Reads the header; `input` then stands before the sums. The checksum is not known yet.
+    ///
+    /// # Errors
+    ///
+    /// [`FilmFileError`] if there is no header that makes sense.
+    pub fn read_header(input: &mut dyn Read) -> Result<Self, FilmFileError> {
+        let mut prefix = [0; PREFIX_BYTES];
+        input.read_exact(&mut prefix).map_err(not_sums_if_short)?;
+        let mut cursor = Cursor(prefix.strip_prefix(MAGIC).ok_or(FilmFileError::NotSums)?);
+        match cursor.u32()? {
+            VERSION => {}
+            other => return Err(FilmFileError::Version(other)),
+        }
+        let length = cursor.u32()?;
+        if length > MAX_HEADER_BYTES {
+            return Err(FilmFileError::Invalid("its header is too long"));
+        }
+        let mut header = vec![0; length as usize];
+        input.read_exact(&mut header)?;
+        let file = Self::parse(&header)?;
+        Ok(Self { header: [&prefix[..], &header].concat(), ..file })
+    }
+
+    fn parse(header: &[u8]) -> Result<Self, FilmFileError> {
+        let mut cursor = Cursor(header);
+        let pair = |cursor: &mut Cursor<'_>| Ok((cursor.text()?, cursor.text()?));
+        let record = FilmRecord {
+            identity: cursor.list(pair)?,
+            notes: cursor.list(pair)?,
+            planned_samples: cursor.u32()?,
+            seconds: cursor.f64()?,
+        };
+        let [x, y, width, height] = [cursor.u32()?, cursor.u32()?, cursor.u32()?, cursor.u32()?];
+        let file = Self {
+            record,
+            region: Region { x, y, width, height },
+            first_sample: cursor.u32()?,
+            samples_per_pixel: cursor.u32()?,
+            tile_side: cursor.u32()?,
+            variance: cursor.u8()? != 0,
+            layer_names: cursor.list(Cursor::text)?,
+            header: Vec::new(),
+        };
+        file.check()?;
+        Ok(file)
+    }
+
+    fn check(&self) -> Result<(), FilmFileError> {
+        let Region { x, y, width, height } = self.region;
+        let fits = |start: u32, length: u32| length > 0 && start.checked_add(length).is_some();
+        if !fits(x, width) || !fits(y, height) {
+            return Err(FilmFileError::Invalid("its pixels lie nowhere"));
+        }
+        if !TILE_SIDES.contains(&self.tile_side) {
+            return Err(FilmFileError::Invalid("its tiles have no size that there is"));
+        }
+        if self.first_sample.checked_add(self.samples_per_pixel).is_none() {
+            return Err(FilmFileError::Invalid("its samples have no indices"));
+        }
+        if !self.record.seconds.is_finite() || self.record.seconds < 0.0 {
+            return Err(FilmFileError::Invalid("its time is none"));
+        }
+        Ok(())
+    }
+
+    /// Reads the sums that follow the header, and checks the checksum of it all.
+    ///
+    /// `length` is that of the whole file, header included; the sums may take `memory_limit` bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`FilmFileError`] if the file is torn or makes no sense, or there is no room.
+    pub fn read_sums(
+        &self,
+        input: &mut dyn Read,
+        length: u64,
+        memory_limit: u64,
+    ) -> Result<FilmSums, FilmFileError> {
+        let kind = TileKind {
+            layer_count: self.layer_names.len(),
+            variance: self.variance,
+            first_sample: self.first_sample,
+        };
+        let expected = tile_bytes(self.region.pixel_count(), kind);
+        let left = length.saturating_sub(self.header.len() as u64);
+        // Before memory is taken: a header may promise anything.
+        if left < expected {
+            return Err(FilmFileError::Torn);
+        }
+        let mut film = FilmSums::with_tiles(
+            self.region,
+            &self.layer_names,
+            kind,
+            (self.tile_side, memory_limit),
+        )
+        .map_err(FilmFileError::Engine)?;
+        let hasher = blake3::Hasher::new();
+        let mut input = HashingReader { inner: input, hasher, left };
+        input.hasher.update(&self.header);
+        for tile in film.tiles_mut() {
+            read_tile(&mut input, tile, kind)?;
+        }
+        let checksum = input.hasher.finalize();
+        if input.left != CHECKSUM_BYTES as u64
+            || input.read(CHECKSUM_BYTES as u64)? != checksum.as_bytes()
+        {
+            return Err(FilmFileError::Torn);
+        }
+        Ok(film)
+    }
+}
+
+/// What the counts and sums of so many pixels take in a file.
+fn tile_bytes(pixel_count: u64, kind: TileKind) -> u64 {
+    pixel_count.saturating_mul(4 + ExactSums::BYTES * kind.sums_per_pixel())
+}
+
+fn read_tile(
+    input: &mut HashingReader<'_>,
+    tile: &mut Tile,
+    kind: TileKind,
+) -> Result<(), FilmFileError> {
+    let start = input.read(4 + 8 + 8 + 4)?;
+    let mut cursor = Cursor(&start);
+    tile.next_sample = cursor.u32()?;
+    let Some(given) = tile.next_sample.checked_sub(kind.first_sample) else {
+        return Err(FilmFileError::Invalid("a tile ends before it begins"));
+    };
+    let (non_finite, negative) = (cursor.u64()?, cursor.u64()?);
+    let kept = cursor.u32()?;
+    if kept as usize > KEPT {
+        return Err(FilmFileError::Invalid("a tile names too many defects"));
+    }
+    let named = input.read(13 * u64::from(kept))?;
+    let first = read_defects(&named, kept)?;
+    tile.defects = Defects { non_finite, negative, first };
+
+    let bytes = input.read(tile_bytes(tile.region.pixel_count(), kind))?;
+    let mut cursor = Cursor(&bytes);
+    for count in &mut tile.counts {
+        *count = cursor.u32()?;
+        if *count > given {
+            return Err(FilmFileError::Invalid("a pixel has more samples than it was given"));
+        }
+    }
+    read_sums(&mut cursor, &mut tile.sums, given)?;
+    read_sums(&mut cursor, &mut tile.squares, given)
+}
+
+fn read_defects(bytes: &[u8], count: u32) -> Result<Vec<(SampleId, Defect)>, FilmFileError> {
+    let mut cursor = Cursor(bytes);
+    let one = |_| {
+        let id = SampleId { index: cursor.u32()?, y: cursor.u32()?, x: cursor.u32()? };
+        match cursor.u8()? {
+            0 => Ok((id, Defect::NonFinite)),
+            1 => Ok((id, Defect::Negative)),
+            _ => Err(FilmFileError::Invalid("a defect of no kind")),
+        }
+    };
+    (0..count).map(one).collect()
+}
+
+/// Reads sums of at most `given` values each.
+fn read_sums(
+    cursor: &mut Cursor<'_>,
+    sums: &mut ExactSums,
+    given: u32,
+) -> Result<(), FilmFileError> {
+    let limits: Result<Vec<u16>, _> = (0..sums.len()).map(|_| cursor.u16()).collect();
+    let greatest = u64::from(given) << 31;
+    for (index, limit) in limits?.into_iter().enumerate() {
+        let digits = [cursor.i64()?, cursor.i64()?];
+        let is_possible = digits.iter().all(|digit| digit.unsigned_abs() <= greatest);
+        if !ExactSums::is_limit(limit) || !is_possible {
+            return Err(FilmFileError::Invalid("a sum that no samples have"));
+        }
+        sums.merge_one(index, (limit, digits));
+    }
+    Ok(())
+}
+
+/// A file too short for a prefix is of another kind.
+fn not_sums_if_short(error: std::io::Error) -> FilmFileError {
+    match FilmFileError::from(error) {
+        FilmFileError::Torn => FilmFileError::NotSums,
+        other => other,
+    }
+}

@@ -1,0 +1,105 @@
+//! From sums to bytes.
+
+use std::io::{self, Write};
+
+use super::bytes::{HashingWriter, push_length, push_text};
+use super::{FilmRecord, MAGIC, VERSION};
+use crate::exact_sums::ExactSums;
+use crate::film_sums::FilmSums;
+use crate::statistics::{Defect, Defects};
+use crate::tile::Tile;
+
+impl FilmSums {
+    /// Writes the sums as they are, tile by tile, while other threads may add to them.
+    ///
+    /// # Errors
+    ///
+    /// What `out` says.
+    pub fn write(&self, record: &FilmRecord, out: &mut dyn Write) -> io::Result<()> {
+        let header = self.header(record);
+        let mut out = HashingWriter { inner: out, hasher: blake3::Hasher::new() };
+        out.write(MAGIC)?;
+        out.write(&VERSION.to_le_bytes())?;
+        let mut length = Vec::new();
+        push_length(&mut length, header.len());
+        out.write(&length)?;
+        out.write(&header)?;
+        let mut bytes = Vec::new();
+        for index in 0..self.tile_count() {
+            bytes.clear();
+            // The lock is held while the tile is copied, and not while it is written.
+            push_tile(&mut bytes, &self.tile(index));
+            out.write(&bytes)?;
+        }
+        let checksum = out.hasher.finalize();
+        out.inner.write_all(checksum.as_bytes())
+    }
+
+    fn header(&self, record: &FilmRecord) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for pairs in [&record.identity, &record.notes] {
+            push_length(&mut bytes, pairs.len());
+            for (name, value) in pairs {
+                push_text(&mut bytes, name);
+                push_text(&mut bytes, value);
+            }
+        }
+        bytes.extend_from_slice(&record.planned_samples.to_le_bytes());
+        bytes.extend_from_slice(&record.seconds.to_le_bytes());
+        let region = self.region();
+        let [least, _] = self.samples_per_pixel();
+        for number in [
+            region.x,
+            region.y,
+            region.width,
+            region.height,
+            self.first_sample(),
+            least,
+            self.tile_side(),
+        ] {
+            bytes.extend_from_slice(&number.to_le_bytes());
+        }
+        bytes.push(u8::from(self.has_variance()));
+        push_length(&mut bytes, self.layer_names().len());
+        for name in self.layer_names() {
+            push_text(&mut bytes, name);
+        }
+        bytes
+    }
+}
+
+fn push_tile(bytes: &mut Vec<u8>, tile: &Tile) {
+    bytes.extend_from_slice(&tile.next_sample.to_le_bytes());
+    push_defects(bytes, &tile.defects);
+    for count in &tile.counts {
+        bytes.extend_from_slice(&count.to_le_bytes());
+    }
+    push_sums(bytes, &tile.sums);
+    push_sums(bytes, &tile.squares);
+}
+
+fn push_defects(bytes: &mut Vec<u8>, defects: &Defects) {
+    bytes.extend_from_slice(&defects.non_finite.to_le_bytes());
+    bytes.extend_from_slice(&defects.negative.to_le_bytes());
+    push_length(bytes, defects.first.len());
+    for (id, defect) in &defects.first {
+        for number in [id.index, id.y, id.x] {
+            bytes.extend_from_slice(&number.to_le_bytes());
+        }
+        bytes.push(match defect {
+            Defect::NonFinite => 0,
+            Defect::Negative => 1,
+        });
+    }
+}
+
+fn push_sums(bytes: &mut Vec<u8>, sums: &ExactSums) {
+    for index in 0..sums.len() {
+        bytes.extend_from_slice(&sums.raw(index).0.to_le_bytes());
+    }
+    for index in 0..sums.len() {
+        let [high, low] = sums.raw(index).1;
+        bytes.extend_from_slice(&high.to_le_bytes());
+        bytes.extend_from_slice(&low.to_le_bytes());
+    }
+}
