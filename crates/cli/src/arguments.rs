@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::commands::{check, convert, diff, info, render};
+use crate::commands::{check, convert, diff, info, merge, render};
 
 /// What every `--help` ends with.
 const AFTER_HELP: &str = "\
@@ -27,6 +27,9 @@ pub(crate) enum Command {
     /// Render scenes to picture files.
     #[command(after_help = AFTER_HELP)]
     Render(render::Arguments),
+    /// Put parts of a picture, rendered apart with `render --samples`, together.
+    #[command(after_help = AFTER_HELP)]
+    Merge(merge::Arguments),
     /// Load scenes and report everything that is wrong, without rendering.
     #[command(after_help = AFTER_HELP)]
     Check(check::Arguments),

@@ -14,13 +14,16 @@ mod color;
 mod commands;
 mod failure;
 mod findings;
+mod keeping;
 mod memory;
 mod output;
+mod outputs;
 mod parsers;
 mod pictures;
 mod progress;
 mod replay;
 mod report;
+mod resume;
 mod signals;
 mod terminal;
 mod text;
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
 fn run(command: &Command) -> Result<Status, Failure> {
     match command {
         Command::Render(arguments) => commands::render::run(arguments),
+        Command::Merge(arguments) => commands::merge::run(arguments),
         Command::Check(arguments) => commands::check::run(arguments),
         Command::Info(arguments) => commands::info::run(arguments),
         Command::Diff(arguments) => commands::diff::run(arguments),

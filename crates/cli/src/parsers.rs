@@ -1,5 +1,6 @@
 //! Readers of argument values.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -54,6 +55,21 @@ pub(crate) fn time(text: &str) -> Result<Duration, String> {
         rest = next;
     }
     if text.is_empty() { Err(problem()) } else { Ok(total) }
+}
+
+/// A time between one thing and the next, which is not zero.
+pub(crate) fn interval(text: &str) -> Result<Duration, String> {
+    let interval = time(text)?;
+    if interval.is_zero() { Err("expected more than no time".to_owned()) } else { Ok(interval) }
+}
+
+/// `A..B`: sample indices from A to below B.
+pub(crate) fn samples(text: &str) -> Result<Range<u32>, String> {
+    let ends = text.split_once("..");
+    let range = ends.and_then(|(start, end)| Some(start.parse().ok()?..end.parse().ok()?));
+    range
+        .filter(|range: &Range<u32>| !range.is_empty())
+        .ok_or_else(|| "expected A..B, such as 0..64, of which B is the first one left out".into())
 }
 
 fn unit_in_seconds(unit: &str) -> Option<f64> {
@@ -130,6 +146,16 @@ mod tests {
         }
         for wrong in ["", "m", "10x", "-5", "1h30q", "nan", "inf", "1e300", "5 m", "1.2.3s"] {
             assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn intervals_and_ranges_are_not_empty() {
+        assert_eq!(interval("5s"), Ok(Duration::from_secs(5)));
+        assert!(interval("0").is_err());
+        assert_eq!(samples("16..32"), Ok(16..32));
+        for wrong in ["16", "16..16", "32..16", "..4", "a..b", "-1..4", "0..4294967296"] {
+            assert!(samples(wrong).is_err(), "{wrong}");
         }
     }
 

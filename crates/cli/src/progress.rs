@@ -1,11 +1,13 @@
 //! How far the render is: a bar on a terminal, plain lines elsewhere.
 
 use std::io::{IsTerminal, stderr};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
 use etendue::{Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
 
 use crate::{terminal, text};
 
@@ -15,25 +17,57 @@ const STEPS: u64 = 1000;
 /// Plain lines come this often at most, and at least this often.
 const LINE_INTERVALS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
-/// Shows progress in one of three ways.
+/// Lines for other programs come this often.
+const JSON_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Shows progress in one of four ways.
 pub(crate) enum ProgressDisplay {
     /// A bar that the engine's news moves; no thread of its own.
     Bar(ProgressBar),
     /// Lines, the time of the next of which is kept.
     Lines(Mutex<Duration>),
+    /// Lines of JSON on standard output, for other programs; the time of the next one is kept.
+    Json(Mutex<Duration>),
     /// Nothing.
     Silent,
 }
 
 impl ProgressDisplay {
-    /// What suits standard error; nothing if `quiet`.
-    pub(crate) fn new(quiet: Quiet) -> Self {
-        if quiet.0 {
+    /// What suits standard error, unless it is asked for otherwise.
+    pub(crate) fn new(wanted: Wanted) -> Self {
+        if wanted == Wanted::Json {
+            Self::Json(Mutex::new(Duration::ZERO))
+        } else if wanted == Wanted::Nothing {
             Self::Silent
         } else if stderr().is_terminal() {
             Self::Bar(bar())
         } else {
             Self::Lines(Mutex::new(LINE_INTERVALS[0]))
+        }
+    }
+
+    /// Says what may be wrong, beside the bar if there is one.
+    pub(crate) fn warn(&self, message: &str) {
+        match self {
+            Self::Bar(bar) => bar.suspend(|| terminal::warning(message)),
+            _ => terminal::warning(message),
+        }
+    }
+
+    /// Says that what is done is kept: to other programs only.
+    pub(crate) fn checkpoint(&self, path: &Path) {
+        self.event("checkpoint", &json!({ "file": path.display().to_string() }));
+    }
+
+    /// Tells other programs that something has happened.
+    pub(crate) fn event(&self, name: &str, details: &Value) {
+        if let Self::Json(_) = self {
+            let mut line = json!({ "event": name });
+            if let (Some(line), Some(details)) = (line.as_object_mut(), details.as_object()) {
+                line.extend(details.clone());
+            }
+            // A reader that went away does not stop the render.
+            let _ = terminal::result(&format!("{line}\n"));
         }
     }
 
@@ -45,9 +79,16 @@ impl ProgressDisplay {
     }
 }
 
-/// Whether progress is kept quiet.
+/// How progress is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Quiet(pub(crate) bool);
+pub(crate) enum Wanted {
+    /// As suits standard error.
+    Default,
+    /// A line of JSON a second on standard output.
+    Json,
+    /// Not at all.
+    Nothing,
+}
 
 fn bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
@@ -72,9 +113,27 @@ impl Observer for ProgressDisplay {
                     terminal::message_line(&format!("{percent:5.1} %  {}", describe(progress)));
                 }
             }
+            Self::Json(next) => {
+                let mut next = next.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                if progress.elapsed >= *next || progress.fraction() >= 1.0 {
+                    *next = progress.elapsed + JSON_INTERVAL;
+                    self.event("progress", &as_json(progress));
+                }
+            }
             Self::Silent => {}
         }
     }
+}
+
+fn as_json(progress: &Progress) -> Value {
+    json!({
+        "samples_done": progress.samples_done,
+        "samples_total": progress.samples_total,
+        "fraction": progress.fraction(),
+        "samples_per_second": progress.rate(),
+        "seconds": progress.elapsed.as_secs_f64(),
+        "seconds_left": progress.time_left().map(|left| left.as_secs_f64()),
+    })
 }
 
 /// Lines get rarer the longer it takes, so that a log stays short.

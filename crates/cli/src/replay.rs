@@ -8,14 +8,28 @@ use crate::{terminal, text};
 
 /// Says how many samples were left out and how the first of them can be taken again.
 pub(crate) fn report(defects: &Defects) {
-    if defects.total() == 0 {
-        return;
+    if defects.total() > 0 {
+        report_count(defects);
+        report_samples(defects);
     }
+}
+
+/// Says how many samples were left out of parts, whose scenes are elsewhere.
+pub(crate) fn report_without_command(defects: &Defects) {
+    if defects.total() > 0 {
+        report_count(defects);
+    }
+}
+
+fn report_count(defects: &Defects) {
     let left_out = text::counted(usize::try_from(defects.total()).unwrap_or(usize::MAX), "sample");
     let (non_finite, negative) = (defects.non_finite, defects.negative);
     terminal::warning(&format!(
         "{left_out} left out of the picture: {non_finite} not finite, {negative} negative"
     ));
+}
+
+fn report_samples(defects: &Defects) {
     let command = command_line();
     for (id, defect) in &defects.first {
         let kind = match defect {

@@ -2,14 +2,13 @@
 
 use std::time::Duration;
 
-use etendue::{LoadTimes, Rendering, Statistics};
+use etendue::{Content, LoadTimes, Rendering, Shot, Statistics};
 
-use crate::output::Target;
+use crate::outputs::Outputs;
 use crate::{terminal, text};
 
 /// `a.exr, a.png: 256x256, 64 samples per pixel in 1.20 s (3.41 Msamples/s)`.
-pub(crate) fn written(rendering: &Rendering, targets: &[Target]) {
-    let names: Vec<_> = targets.iter().map(|target| target.path.display().to_string()).collect();
+pub(crate) fn written(rendering: &Rendering, outputs: &Outputs) {
     let (picture, statistics) = (&rendering.picture, &rendering.statistics);
     let samples = match statistics.samples_per_pixel {
         [least, most] if least == most => text::counted(most as usize, "sample"),
@@ -17,7 +16,7 @@ pub(crate) fn written(rendering: &Rendering, targets: &[Target]) {
     };
     terminal::message_line(&format!(
         "{}: {}x{}, {samples} per pixel in {} ({}samples/s){}",
-        names.join(", "),
+        outputs.names(),
         picture.width,
         picture.height,
         text::duration(statistics.duration),
@@ -37,5 +36,17 @@ pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration
         milliseconds(statistics.duration),
         text::counted(statistics.threads, "thread"),
         milliseconds(writing),
+    ));
+}
+
+/// What the render will take, before it is taken: `memory: 1.2 GB scene, 158 MB film`.
+pub(crate) fn memory(content: &Content, shot: &Shot<'_>) {
+    let statistics = content.scene.statistics();
+    let scene = statistics.mesh_bytes + statistics.tree_bytes + statistics.texture_bytes;
+    let film = usize::try_from(shot.memory_needed()).unwrap_or(usize::MAX);
+    terminal::message_line(&format!(
+        "memory: {} scene, {} film",
+        text::bytes(scene),
+        text::bytes(film)
     ));
 }

@@ -1,6 +1,7 @@
 //! Why there is no picture.
 
 use std::fmt;
+use std::ops::Range;
 
 use etendue_engine::{EngineError, Region};
 
@@ -26,6 +27,13 @@ pub enum Error {
         /// The film's width and height in pixels.
         film: [u32; 2],
     },
+    /// The samples to take do not lie among those of the picture.
+    Samples {
+        /// The samples to take.
+        samples: Range<u32>,
+        /// How many the picture has.
+        planned: u32,
+    },
     /// The render cannot be started.
     Engine(EngineError),
 }
@@ -48,6 +56,10 @@ impl fmt::Display for Error {
                  {columns}x{rows}"
                 )
             }
+            Self::Samples { samples: Range { start, end }, planned } => write!(
+                formatter,
+                "the samples {start}..{end} are not among the {planned} that a pixel has"
+            ),
             Self::Engine(error) => error.fmt(formatter),
         }
     }

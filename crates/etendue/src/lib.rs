@@ -36,7 +36,10 @@
 //! 3. [`Shot::new`] chooses a camera and a budget.
 //! 4. [`Shot::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
 //!    [`Rendering`].
-//! 5. [`image::encode`] makes a file's bytes of its picture.
+//! 5. Or, to keep what is done: [`Shot::new_film`] or [`SumsFile::read`], [`Shot::add_samples`],
+//!    [`SumsFile::write`] from another thread meanwhile, [`Shot::develop`]. Parts of a picture that
+//!    were rendered apart are put together by [`merge::merge`].
+//! 6. [`image::encode`] makes a file's bytes of its picture.
 //!
 //! # Parts
 //!
@@ -46,13 +49,17 @@
 //! [`math`].
 #![forbid(unsafe_code)]
 
+mod development;
+pub mod durable;
 mod error;
 pub mod files;
 mod findings;
 mod load;
+pub mod merge;
 mod options;
 mod rendering;
 mod shot;
+pub mod sums_file;
 
 pub use etendue_bvh as bvh;
 pub use etendue_document as document;
@@ -69,8 +76,8 @@ pub use etendue_spectrum as spectrum;
 pub use error::Error;
 pub use etendue_document::{Resources, render_diagnostic};
 pub use etendue_engine::{
-    Cancel, Defect, Defects, EngineError, FinishedPass, Observer, Progress, Region, SampleId,
-    Silent, Statistics, Workers,
+    Cancel, Defect, Defects, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums,
+    FinishedPass, Observer, Progress, Region, SampleId, Silent, Statistics, Workers,
 };
 pub use files::Files;
 pub use findings::Findings;
@@ -78,3 +85,4 @@ pub use load::{Content, LoadTimes, Loaded, load, load_text};
 pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SceneOptions, SensorChoice};
 pub use rendering::Rendering;
 pub use shot::{Shot, render_file, render_text};
+pub use sums_file::SumsFile;

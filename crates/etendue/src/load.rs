@@ -26,6 +26,9 @@ pub struct Content {
     pub scene: Scene,
     /// How it is computed.
     pub integrator: Box<dyn Integrator>,
+    /// What the user decided over what the scene says, by name: with the scene's own hash it tells
+    /// whether two renders are of the same picture.
+    pub settings: Vec<(String, String)>,
 }
 
 /// Wall time of loading, by part.
@@ -120,5 +123,16 @@ fn build(
     // Both, whatever becomes of the first: one run finds the mistakes of both.
     let scene = build_scene(document, resources, diagnostics, &options.build);
     let integrator = build_integrator(document, &options.integrator, diagnostics);
-    Some(Content { scene: scene?, integrator: integrator? })
+    Some(Content { scene: scene?, integrator: integrator?, settings: settings(options) })
+}
+
+/// What changes the picture. Where files are sought does not: their content is in the scene's hash.
+fn settings(options: &SceneOptions) -> Vec<(String, String)> {
+    // As the compiler writes them out, so that an option that is added is not forgotten here.
+    let settings = [
+        ("definitions", format!("{:?}", options.defines)),
+        ("scene options", format!("{:?}", options.build)),
+        ("integrator options", format!("{:?}", options.integrator)),
+    ];
+    settings.map(|(name, value)| (name.to_owned(), value)).into()
 }

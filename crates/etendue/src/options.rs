@@ -1,6 +1,7 @@
 //! What a user decides over what the scene file says.
 
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -32,6 +33,11 @@ pub struct RenderOptions {
     pub region: Option<Region>,
     /// Samples for every pixel; if neither this nor a time is given, what the scene's sampler says.
     pub samples_per_pixel: Option<u32>,
+    /// The sample indices to take, as a part of a picture of that many samples; `None` for all.
+    pub samples: Option<Range<u32>>,
+    /// How many samples the sampler spreads, where they are more or fewer than are taken: a render
+    /// that goes on keeps the plan that it began with.
+    pub planned_samples: Option<u32>,
     /// Wall time from the first ray; with a number of samples too, what comes first ends it.
     pub time_limit: Option<Duration>,
     /// Chooses the random numbers; `None` for the seed of the scene's sampler.

@@ -1,12 +1,11 @@
 //! A finished picture with what is known about how it came to be.
 
 use etendue_engine::{Channels, FilmSums, Statistics};
-use etendue_image::{
-    EncodeOptions, ExrPrecision, FileFormat, ImageError, MetadataValue, Picture, Window, encode,
-};
-use etendue_render::SensorSetup;
+use etendue_image::{EncodeOptions, ExrPrecision, FileFormat, ImageError, Picture, Window, encode};
 use etendue_render::film::PixelFormat;
 use etendue_spectrum::colour;
+
+use crate::development::Development;
 
 /// A finished picture.
 #[derive(Clone, Debug)]
@@ -24,34 +23,28 @@ pub struct Rendering {
     pub statistics: Statistics,
 }
 
-/// What tells this rendering from others of the same camera.
-pub(crate) struct Identity {
-    pub(crate) scene_hash: [u8; 32],
-    pub(crate) seed: u64,
-    pub(crate) variance: bool,
-}
-
 impl Rendering {
+    /// Makes a picture of sums; `seconds` is the wall time of all runs that made them.
     pub(crate) fn new(
         film: &FilmSums,
         statistics: Statistics,
-        setup: &SensorSetup,
-        identity: &Identity,
+        development: &Development,
+        seconds: f64,
     ) -> Self {
-        let format = setup.film.pixel_format;
-        let channels = Channels { alpha: format.has_alpha(), variance: identity.variance };
+        let format = development.pixel_format;
+        let channels = Channels { alpha: format.has_alpha(), variance: film.has_variance() };
         let mut picture = film.develop(channels);
         let has_layers = picture.channels.len() > 3 + usize::from(channels.alpha);
         if format.without_alpha() == PixelFormat::Luminance {
             to_luminance(&mut picture);
         }
-        let (width, height) = (setup.film.width, setup.film.height);
+        let [width, height] = development.film;
         picture.display_window = Window { x: 0, y: 0, width, height };
-        picture.metadata = metadata(&statistics, setup, identity);
+        picture.metadata = development.metadata(statistics.samples_per_pixel[0], seconds);
         let encoding = EncodeOptions {
-            exr_precision: precision(setup.film.component_format, &picture, HasLayers(has_layers)),
-            tone_map: setup.film.display.tone_map,
-            exposure: setup.film.display.exposure,
+            exr_precision: precision(development.precision, &picture, HasLayers(has_layers)),
+            tone_map: development.tone_map,
+            exposure: development.exposure,
             ..EncodeOptions::default()
         };
         let wants_xyz = format.without_alpha() == PixelFormat::Xyz;
@@ -111,29 +104,4 @@ fn map_color(picture: &mut Picture, map: impl Fn([f32; 3]) -> [f32; 3]) {
     for ((red, green), blue) in red.data.iter_mut().zip(&mut green.data).zip(&mut blue.data) {
         [*red, *green, *blue] = map([*red, *green, *blue]);
     }
-}
-
-fn metadata(
-    statistics: &Statistics,
-    setup: &SensorSetup,
-    identity: &Identity,
-) -> Vec<(String, MetadataValue)> {
-    let text = |value: String| MetadataValue::Text(value);
-    let hash: String = identity.scene_hash.iter().map(|byte| format!("{byte:02x}")).collect();
-    let count = statistics.samples_per_pixel[0];
-    // OpenEXR's matrices are for row vectors, and so the transposes of glam's: written column by
-    // column they are right.
-    let camera = setup.sensor.camera_matrices();
-    let matrix = |matrix: glam::Mat4| MetadataValue::Matrix4(matrix.to_cols_array());
-    let entries = [
-        ("software", text(format!("Etendue {}", env!("CARGO_PKG_VERSION")))),
-        ("sceneHash", text(hash)),
-        // Header integers are 32 bits and signed, but seeds have 64.
-        ("seed", text(identity.seed.to_string())),
-        ("samplesPerPixel", MetadataValue::Integer(i32::try_from(count).unwrap_or(i32::MAX))),
-        ("renderSeconds", MetadataValue::Float(statistics.duration.as_secs_f32())),
-        ("worldToCamera", matrix(camera.world_to_camera)),
-        ("worldToNDC", matrix(camera.world_to_ndc)),
-    ];
-    entries.map(|(name, value)| (name.to_owned(), value)).into()
 }

@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use etendue_document::{MemoryResources, Resources};
-use etendue_engine::{Budget, Camera, Job, Region, render_samples};
+use etendue_engine::{
+    Budget, Camera, FilmRecord, FilmSums, Job, Region, SampleSource, Statistics, add_samples,
+};
 use etendue_render::SensorSetup;
 use etendue_sampling::SamplerSpec;
 
+use crate::development::{Development, hexadecimal};
 use crate::load::Content;
 use crate::options::DEFAULT_MEMORY_LIMIT;
 use crate::{
@@ -62,7 +65,7 @@ pub struct Shot<'a> {
     content: &'a Content,
     setup: &'a SensorSetup,
     job: Job,
-    variance: bool,
+    planned_samples: u32,
 }
 
 impl<'a> Shot<'a> {
@@ -71,27 +74,32 @@ impl<'a> Shot<'a> {
     /// # Errors
     ///
     /// [`Error::Sensor`] if there is no such camera; [`Error::Region`] if the part to render does
-    /// not lie within its film.
+    /// not lie within its film; [`Error::Samples`] if the samples do not lie within the plan.
     pub fn new(content: &'a Content, options: &RenderOptions) -> Result<Self, Error> {
         let setup = find_sensor(content, &options.sensor)?;
         let own_count = setup.sampler.rounded_sample_count();
         // A time alone means as many samples as it has room for.
         let default_count = options.time_limit.is_none().then_some(own_count);
-        let samples_per_pixel = options.samples_per_pixel.or(default_count);
-        let sampler = SamplerSpec::new(
-            setup.sampler.kind(),
-            samples_per_pixel.unwrap_or(own_count),
-            options.seed.unwrap_or(setup.sampler.seed()),
-        );
+        let count = options.samples_per_pixel.or(default_count);
+        let planned = options.planned_samples.or(count).unwrap_or(own_count);
+        let (first_sample, end) = match &options.samples {
+            None => (0, count),
+            Some(samples) if samples.is_empty() || samples.end > planned => {
+                return Err(Error::Samples { samples: samples.clone(), planned });
+            }
+            Some(samples) => (samples.start, Some(samples.end)),
+        };
+        let seed = options.seed.unwrap_or(setup.sampler.seed());
+        let sampler = SamplerSpec::new(setup.sampler.kind(), planned, seed);
         let job = Job {
             region: find_region(setup, options.region)?,
-            first_sample: 0,
-            budget: Budget { samples_per_pixel, time: options.time_limit },
+            first_sample,
+            budget: Budget { samples_per_pixel: end, time: options.time_limit },
             variance: options.variance,
             memory_limit: options.memory_limit.unwrap_or(DEFAULT_MEMORY_LIMIT),
         };
         let camera = Camera::new(&content.scene, setup, sampler, &*content.integrator);
-        Ok(Self { camera, content, setup, job, variance: options.variance })
+        Ok(Self { camera, content, setup, job, planned_samples: planned })
     }
 
     /// Where its samples come from, for replaying one.
@@ -109,6 +117,80 @@ impl<'a> Shot<'a> {
         self.setup
     }
 
+    /// The bytes of memory that the film and the finished picture take; the scene has its own.
+    pub fn memory_needed(&self) -> u64 {
+        FilmSums::memory_needed(&self.job, self.camera.layers().len())
+    }
+
+    /// Everything that decides the picture, by name. Sums of two renders belong together if these
+    /// are equal.
+    pub fn identity(&self) -> Vec<(String, String)> {
+        let sampler = self.camera.sampler();
+        let Region { x, y, width, height } = self.job.region;
+        let [columns, rows] = [self.setup.film.width, self.setup.film.height];
+        let sensors = self.content.scene.sensors();
+        let sensor = sensors.iter().position(|setup| std::ptr::eq(setup, self.setup));
+        let own = [
+            ("version of Etendue", env!("CARGO_PKG_VERSION").to_owned()),
+            ("scene and its files", hexadecimal(&self.content.scene.content_hash())),
+            ("sensor", sensor.unwrap_or(0).to_string()),
+            ("film", format!("{columns}x{rows}")),
+            ("pixels", format!("{width}x{height} from ({x}, {y})")),
+            ("sampler", format!("{:?}", sampler.kind())),
+            ("planned samples", self.planned_samples.to_string()),
+            ("seed", sampler.seed().to_string()),
+            ("layers", self.camera.layers().join(", ")),
+            ("variance", self.job.variance.to_string()),
+        ];
+        let own = own.map(|(name, value)| (name.to_owned(), value));
+        own.into_iter().chain(self.content.settings.iter().cloned()).collect()
+    }
+
+    /// What a file says about sums of this shot that took so long.
+    pub fn record(&self, seconds: f64) -> FilmRecord {
+        FilmRecord {
+            identity: self.identity(),
+            notes: self.development().to_notes(),
+            planned_samples: self.planned_samples,
+            seconds,
+        }
+    }
+
+    fn development(&self) -> Development {
+        let hash = self.content.scene.content_hash();
+        Development::new(self.setup, &hash, self.camera.sampler().seed())
+    }
+
+    /// Sums without samples.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if they would take too much memory.
+    pub fn new_film(&self, workers: &Workers) -> Result<FilmSums, Error> {
+        Ok(FilmSums::new(&self.job, self.camera.layers(), workers.thread_count())?)
+    }
+
+    /// Adds samples to sums, which may hold some of an earlier run, until the budget is spent or
+    /// `cancel` says stop.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if it cannot be started.
+    pub fn add_samples(
+        &self,
+        film: &FilmSums,
+        workers: &Workers,
+        observer: &dyn Observer,
+        cancel: &Cancel,
+    ) -> Result<Statistics, Error> {
+        Ok(add_samples(&self.camera, (film, self.job.budget), workers, observer, cancel)?)
+    }
+
+    /// The picture of sums of this shot; `seconds` is the wall time of all runs that made them.
+    pub fn develop(&self, film: &FilmSums, statistics: Statistics, seconds: f64) -> Rendering {
+        Rendering::new(film, statistics, &self.development(), seconds)
+    }
+
     /// Renders until the budget is spent or `cancel` says stop.
     ///
     /// # Errors
@@ -120,14 +202,10 @@ impl<'a> Shot<'a> {
         observer: &dyn Observer,
         cancel: &Cancel,
     ) -> Result<Rendering, Error> {
-        let (film, statistics) =
-            render_samples(&self.camera, &self.job, workers, observer, cancel)?;
-        let identity = crate::rendering::Identity {
-            scene_hash: self.content.scene.content_hash(),
-            seed: self.camera.sampler().seed(),
-            variance: self.variance,
-        };
-        Ok(Rendering::new(&film, statistics, self.setup, &identity))
+        let film = self.new_film(workers)?;
+        let statistics = self.add_samples(&film, workers, observer, cancel)?;
+        let seconds = statistics.duration.as_secs_f64();
+        Ok(self.develop(&film, statistics, seconds))
     }
 }
 

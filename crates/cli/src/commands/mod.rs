@@ -4,5 +4,6 @@ pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod diff;
 pub(crate) mod info;
+pub(crate) mod merge;
 pub(crate) mod render;
 pub(crate) mod scene;

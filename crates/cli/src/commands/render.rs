@@ -1,20 +1,25 @@
 //! `etendue render`: from scenes to picture files.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use etendue::{
-    EngineError, Error, Region, RenderOptions, Rendering, SampleId, SensorChoice, Shot, Workers,
+    EngineError, Error, FilmSums, LoadTimes, Region, RenderOptions, Rendering, SampleId,
+    SensorChoice, Shot, Statistics, SumsFile, Workers,
 };
-use rayon::prelude::*;
+use serde_json::json;
 
 use super::scene::SceneArguments;
 use crate::failure::{Failure, Status};
+use crate::keeping::{End, Keeper, KeepingArguments};
 use crate::output::{self, Target};
-use crate::progress::{ProgressDisplay, Quiet};
+use crate::outputs::{Outputs, Product};
+use crate::progress::{ProgressDisplay, Wanted};
 use crate::signals::Signals;
-use crate::{findings, memory, parsers, replay, report, terminal};
+use crate::{findings, memory, parsers, replay, report, resume, terminal, text};
 
 /// What is rendered, how, and to where.
 #[derive(Args, Debug)]
@@ -22,8 +27,8 @@ pub(crate) struct Arguments {
     /// Scene files
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// Write here: exr, png, jpg, hdr, pfm, bmp or tiff by extension, or a folder; several times
-    /// for several files [default: the scene's name with .exr and .png]
+    /// Write here: exr, png, jpg, hdr, pfm, bmp or tiff by extension, part for the sums themselves,
+    /// or a folder; several times for several files [default: the scene's name with .exr and .png]
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Samples per pixel, instead of the scene's number
@@ -32,6 +37,10 @@ pub(crate) struct Arguments {
     /// Stop after this time: 90s, 10m, 1h30m. Without --spp, as many samples as fit
     #[arg(long, value_name = "TIME", value_parser = parsers::time)]
     time: Option<Duration>,
+    /// Take these samples of each pixel alone, and write a .part for `etendue merge`
+    /// [default name: the scene's with .A-B.part]
+    #[arg(long, value_name = "A..B", value_parser = parsers::samples)]
+    samples: Option<Range<u32>>,
     /// Choose other random numbers
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
@@ -47,6 +56,14 @@ pub(crate) struct Arguments {
     /// Take one sample, print what it says, and write no picture
     #[arg(long, value_name = "X,Y,INDEX", value_parser = parsers::sample_id)]
     replay: Option<SampleId>,
+    /// Pass over scenes whose files are there and finished
+    #[arg(long)]
+    skip_existing: bool,
+    /// Write a line of JSON a second on standard output, for other programs
+    #[arg(long)]
+    json_progress: bool,
+    #[command(flatten)]
+    keeping: KeepingArguments,
     #[command(flatten)]
     scene: SceneArguments,
 }
@@ -55,11 +72,17 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::install()
         .map_err(|error| Failure::failed(format!("cannot listen to signals: {error}")))?;
-    let targets = targets(arguments)?;
+    let outputs = outputs(arguments)?;
+    let preview = arguments.keeping.preview()?;
     let workers = arguments.scene.workers()?;
+    let host = Host { arguments, workers: &workers, signals: &signals, preview: preview.as_ref() };
     let mut worst = Status::Fine;
-    for (scene, targets) in arguments.scenes.iter().zip(&targets) {
-        worst = worst.max(render_scene(arguments, scene, targets, &workers, &signals)?);
+    for (scene, outputs) in arguments.scenes.iter().zip(&outputs) {
+        if arguments.skip_existing && outputs.exist() {
+            host.say(&format!("{}: there already", outputs.names()));
+            continue;
+        }
+        worst = worst.max(host.render(scene, outputs)?);
         if let Some(signal) = signals.received() {
             return Ok(Status::Stopped(signal));
         }
@@ -68,10 +91,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 }
 
 /// The files of every scene, all of them checked.
-fn targets(arguments: &Arguments) -> Result<Vec<Vec<Target>>, Failure> {
+fn outputs(arguments: &Arguments) -> Result<Vec<Outputs>, Failure> {
     if arguments.replay.is_some() {
-        return Ok(vec![Vec::new(); arguments.scenes.len()]);
+        return Ok(vec![Outputs::default(); arguments.scenes.len()]);
     }
+    let product = match arguments.samples {
+        Some(_) => Product::Parts,
+        None => Product::Pictures,
+    };
     let folder = match arguments.output.as_slice() {
         [] => Some(Path::new("")),
         [only] if only.is_dir() => Some(only.as_path()),
@@ -81,75 +108,189 @@ fn targets(arguments: &Arguments) -> Result<Vec<Vec<Target>>, Failure> {
         if arguments.scenes.len() > 1 {
             return Err(Failure::bad_input("several scenes need a folder after --output"));
         }
-        let named: Result<_, _> = arguments.output.iter().map(|path| Target::new(path)).collect();
-        return Ok(vec![named?]);
+        return Ok(vec![Outputs::new(&arguments.output, product)?]);
     };
-    let mut all: Vec<Vec<Target>> = Vec::new();
+    let mut all: Vec<Outputs> = Vec::new();
     for scene in &arguments.scenes {
-        let names = output::default_names(scene, folder);
-        let targets: Vec<Target> =
-            names.iter().map(|path| Target::new(path)).collect::<Result<_, _>>()?;
-        if all.contains(&targets) {
-            let name = targets[0].path.display();
+        let names = output::default_names(scene, folder, arguments.samples.as_ref());
+        let outputs = Outputs::new(&names, product)?;
+        if all.contains(&outputs) {
+            let name = names[0].display();
             return Err(Failure::bad_input(format!("two scenes would be written to {name}")));
         }
-        all.push(targets);
+        all.push(outputs);
     }
     Ok(all)
 }
 
-fn render_scene(
-    arguments: &Arguments,
-    path: &Path,
-    targets: &[Target],
-    workers: &Workers,
-    signals: &Signals,
-) -> Result<Status, Failure> {
-    signals.leave_at_once();
-    let loaded = arguments.scene.load(path, workers)?;
-    findings::show(&loaded.findings, arguments.scene.detail());
-    let Some(content) = &loaded.content else {
-        return Ok(Status::BadInput);
-    };
-    let shot = Shot::new(content, &options(arguments)).map_err(|error| failure(path, error))?;
-    if let Some(id) = arguments.replay {
-        replay::show(&shot, id)?;
-        return Ok(Status::Fine);
-    }
-    let progress = ProgressDisplay::new(Quiet(arguments.scene.quiet));
-    signals.finish_gracefully();
-    let rendering = shot.render(workers, &progress, signals.cancel());
-    progress.finish();
-    let rendering = rendering.map_err(|error| failure(path, error))?;
-    let write_started = Instant::now();
-    let written = workers.run(|| write(&rendering, targets));
-    replay::report(&rendering.statistics.defects);
-    if !arguments.scene.quiet {
-        report::written(&rendering, targets);
-    }
-    if arguments.scene.verbose {
-        report::times(&loaded.times, &rendering.statistics, write_started.elapsed());
-    }
-    Ok(written)
+/// What every scene of a run is rendered with.
+struct Host<'a> {
+    arguments: &'a Arguments,
+    workers: &'a Workers,
+    signals: &'a Signals,
+    preview: Option<&'a Target>,
 }
 
-/// Writes every file that can be written, several at once, and tells why of the others.
-fn write(rendering: &Rendering, targets: &[Target]) -> Status {
-    let write_one = |target: &Target| match target.write(rendering.encode(target.format)) {
-        Ok(()) => Status::Fine,
-        Err(failure) => {
-            terminal::error(&failure.message);
-            failure.status
+impl Host<'_> {
+    fn render(&self, path: &Path, outputs: &Outputs) -> Result<Status, Failure> {
+        let arguments = self.arguments;
+        self.signals.leave_at_once();
+        let checkpoint = outputs.checkpoint();
+        let header = match &checkpoint {
+            Some(checkpoint) => resume::find(checkpoint, arguments.keeping.resume)?,
+            None => None,
+        };
+        let loaded = arguments.scene.load(path, self.workers)?;
+        findings::show(&loaded.findings, arguments.scene.detail());
+        let Some(content) = &loaded.content else {
+            return Ok(Status::BadInput);
+        };
+        let planned = header.as_ref().map(|header| header.record.planned_samples);
+        let shot = Shot::new(content, &options(arguments, planned));
+        let shot = shot.map_err(|error| failure(path, error))?;
+        if let Some(id) = arguments.replay {
+            replay::show(&shot, id)?;
+            return Ok(Status::Fine);
         }
-    };
-    targets.par_iter().map(write_one).max().unwrap_or(Status::Fine)
+        if !arguments.scene.quiet {
+            report::memory(content, &shot);
+        }
+        let film = match (&checkpoint, &header) {
+            (Some(checkpoint), Some(header)) => {
+                let film = resume::read(checkpoint, header, &shot)?;
+                let held = text::counted(film.samples_per_pixel()[0] as usize, "sample");
+                let name = checkpoint.path().display();
+                self.say(&format!("going on with {name}: {held} per pixel"));
+                film
+            }
+            _ => shot.new_film(self.workers).map_err(|error| failure(path, error))?,
+        };
+        let kept = checkpoint.filter(|_| !arguments.keeping.no_checkpoint);
+        if let Some(checkpoint) = &kept {
+            checkpoint.remove_abandoned();
+        }
+        let seconds_before = header.map_or(0.0, |header| header.record.seconds);
+        let run = Run { shot: &shot, film: &film, outputs, checkpoint: kept, seconds_before };
+        self.add_samples(&run, path, &loaded.times)
+    }
+
+    /// Renders, keeps what is done meanwhile, and writes what it makes.
+    fn add_samples(
+        &self,
+        run: &Run<'_>,
+        path: &Path,
+        load_times: &LoadTimes,
+    ) -> Result<Status, Failure> {
+        let arguments = self.arguments;
+        let wanted = match (arguments.json_progress, arguments.scene.quiet) {
+            (true, _) => Wanted::Json,
+            (false, true) => Wanted::Nothing,
+            (false, false) => Wanted::Default,
+        };
+        let display = ProgressDisplay::new(wanted);
+        let keeper = Keeper {
+            shot: run.shot,
+            film: run.film,
+            checkpoint: run.checkpoint.as_ref(),
+            preview: self.preview,
+            arguments: &arguments.keeping,
+            display: &display,
+            seconds_before: run.seconds_before,
+            started: Instant::now(),
+        };
+        display.event(
+            "start",
+            &json!({
+                "scene": path.display().to_string(),
+                "film_bytes": run.shot.memory_needed(),
+            }),
+        );
+        self.signals.finish_gracefully();
+        let end = End::default();
+        let statistics = thread::scope(|scope| {
+            scope.spawn(|| keeper.run(&end));
+            let _end = end.guard();
+            run.shot.add_samples(run.film, self.workers, &display, self.signals.cancel())
+        });
+        display.finish();
+        let statistics = statistics.map_err(|error| failure(path, error))?;
+        let write_started = Instant::now();
+        let (status, rendering) = self.write(run, &keeper, statistics);
+        replay::report(&rendering.statistics.defects);
+        if !arguments.scene.quiet {
+            report::written(&rendering, run.outputs);
+        }
+        if arguments.scene.verbose {
+            report::times(load_times, &rendering.statistics, write_started.elapsed());
+        }
+        display.event("end", &json!({
+            "files": run.outputs.paths().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+            "samples_per_pixel": rendering.statistics.samples_per_pixel,
+            "stopped_early": rendering.statistics.cancelled,
+            "written": status == Status::Fine,
+        }));
+        Ok(status)
+    }
+
+    /// Writes every file. Until all are safely there, the samples are kept.
+    fn write(
+        &self,
+        run: &Run<'_>,
+        keeper: &Keeper<'_>,
+        statistics: Statistics,
+    ) -> (Status, Rendering) {
+        let seconds = keeper.seconds();
+        let stopped = statistics.cancelled;
+        // A stopped render may have little time left, and its samples are worth most.
+        let mut is_kept = stopped && keeper.write_checkpoint();
+        let rendering = run.shot.develop(run.film, statistics, seconds);
+        let mut status = self.workers.run(|| run.outputs.write_pictures(&rendering));
+        if !stopped {
+            status = status.max(run.outputs.write_parts(run.film, &run.shot.record(seconds)));
+            let is_safe = status == Status::Fine;
+            if !is_safe || self.arguments.keeping.keep_checkpoint {
+                is_kept = keeper.write_checkpoint();
+            } else if let Some(checkpoint) = &run.checkpoint
+                && let Err(error) = checkpoint.remove()
+            {
+                let name = checkpoint.path().display();
+                terminal::warning(&format!("{name} is needed no more, but stays: {error}"));
+            }
+        }
+        if let Some(checkpoint) = run.checkpoint.as_ref().filter(|_| is_kept) {
+            let name = checkpoint.path().display();
+            self.say(&format!("{name} keeps the samples: --resume goes on with them"));
+        }
+        (status, rendering)
+    }
+
+    /// A line of news, unless nobody wants to hear it.
+    fn say(&self, line: &str) {
+        if !self.arguments.scene.quiet {
+            terminal::message_line(line);
+        }
+    }
 }
 
-fn options(arguments: &Arguments) -> RenderOptions {
+/// One scene that is rendered.
+struct Run<'a> {
+    shot: &'a Shot<'a>,
+    film: &'a FilmSums,
+    outputs: &'a Outputs,
+    /// Where the samples are kept, if they are.
+    checkpoint: Option<SumsFile>,
+    /// Wall time of earlier runs.
+    seconds_before: f64,
+}
+
+/// `planned` is the plan of the run that this one goes on with.
+fn options(arguments: &Arguments, planned: Option<u32>) -> RenderOptions {
     RenderOptions {
         sensor: SensorChoice::from(arguments.sensor.as_str()),
         region: arguments.crop,
         samples_per_pixel: arguments.spp,
+        samples: arguments.samples.clone(),
+        planned_samples: planned,
         time_limit: arguments.time,
         seed: arguments.seed,
         threads: arguments.scene.threads,

@@ -2,6 +2,8 @@
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
 mod broken;
+mod keeping;
+mod merging;
 mod pictures;
 mod render;
 mod run;

@@ -240,9 +240,10 @@ fn without_a_terminal_there_are_no_escape_codes_and_progress_is_lines() {
     let outcome = workplace.succeed(&["render", &small_scene(), "--time", "3s", "-o", "a.png"]);
     assert!(!outcome.stderr.contains('\x1b'), "{:?}", outcome.stderr);
     let lines: Vec<&str> = outcome.stderr.lines().collect();
-    assert!(lines.len() >= 2, "{:?}", outcome.stderr);
-    assert!(lines[0].contains(" %  ") && lines[0].contains("samples/s"), "{:?}", outcome.stderr);
-    assert!(lines[0].contains("left"), "{:?}", outcome.stderr);
+    assert!(lines.len() >= 3, "{:?}", outcome.stderr);
+    assert!(lines[0].starts_with("memory: "), "{:?}", outcome.stderr);
+    assert!(lines[1].contains(" %  ") && lines[1].contains("samples/s"), "{:?}", outcome.stderr);
+    assert!(lines[1].contains("left"), "{:?}", outcome.stderr);
 }
 
 #[test]

@@ -42,7 +42,7 @@ fn a_signal_ends_the_render_and_what_is_done_is_written() {
         assert!(sent.elapsed() < Duration::from_secs(10));
         assert_eq!(outcome.code, Some(code), "{}", outcome.stderr);
         assert!(outcome.stderr.contains("stopped early"), "{}", outcome.stderr);
-        assert_eq!(workplace.files(), ["a.exr", "b.png"]);
+        assert_eq!(workplace.files(), ["a.exr", "a.exr.checkpoint", "b.png"]);
         let picture = decode_exr_layers(&workplace.read("a.exr")).unwrap();
         let red = &picture.channels[0].data;
         assert!(red.iter().all(|&value| value > 0.0), "every pixel of this scene is lit");

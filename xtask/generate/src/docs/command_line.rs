@@ -8,7 +8,7 @@ use crate::repository::root;
 const INTRODUCTION: &str = include_str!("command_line.md");
 
 /// The subcommands, in the order of the page.
-const SUBCOMMANDS: [&str; 5] = ["render", "check", "info", "diff", "convert"];
+const SUBCOMMANDS: [&str; 6] = ["render", "merge", "check", "info", "diff", "convert"];
 
 /// The text of the page. Builds the `etendue` command where that has not been done.
 pub(super) fn page() -> Result<String, String> {

@@ -1,0 +1,115 @@
+//! What becomes of a checkpoint that is there when a render is asked for.
+
+use std::io::{BufRead, IsTerminal, stderr, stdin};
+
+use etendue::sums_file::{Difference, differences};
+use etendue::{FilmFile, FilmFileError, FilmSums, Shot, SumsFile};
+
+use crate::failure::Failure;
+use crate::keeping::Resume;
+use crate::{terminal, text};
+
+/// Decides whether a render goes on with a checkpoint, and reads its header if so.
+pub(crate) fn find(
+    checkpoint: &SumsFile,
+    resume: Option<Resume>,
+) -> Result<Option<FilmFile>, Failure> {
+    let path = checkpoint.path().display();
+    if !checkpoint.exists() {
+        return match resume {
+            Some(Resume::Yes) => {
+                Err(Failure::bad_input(format!("there is no checkpoint {path} to go on with")))
+            }
+            _ => Ok(None),
+        };
+    }
+    if resume == Some(Resume::Never) {
+        return Ok(None);
+    }
+    let header = checkpoint.read_header().map_err(|error| unreadable(checkpoint, &error))?;
+    if resume.is_some() || ask(checkpoint, &header)? { Ok(Some(header)) } else { Ok(None) }
+}
+
+/// Asks what to do; without anybody to ask, nothing is done.
+fn ask(checkpoint: &SumsFile, header: &FilmFile) -> Result<bool, Failure> {
+    let path = checkpoint.path().display();
+    let held = text::counted(header.samples_per_pixel as usize, "sample");
+    if !stdin().is_terminal() || !stderr().is_terminal() {
+        return Err(Failure::bad_input(format!(
+            "{path} holds {held} per pixel of an earlier run: --resume goes on with it, \
+             --resume=never starts afresh"
+        )));
+    }
+    loop {
+        terminal::message(&format!(
+            "{path} holds {held} per pixel of an earlier run. Go on with it? \
+             [y]es, [n]o: start afresh, [q]uit: "
+        ));
+        let mut answer = String::new();
+        let read = stdin().lock().read_line(&mut answer);
+        match (read, answer.trim().to_ascii_lowercase().as_str()) {
+            (Ok(1..), "y" | "yes") => return Ok(true),
+            (Ok(1..), "n" | "no") => return Ok(false),
+            (Ok(1..), answer) if !matches!(answer, "q" | "quit") => {}
+            _ => return Err(Failure::bad_input("nothing was done")),
+        }
+    }
+}
+
+/// The sums of a checkpoint, if they are sums of this shot.
+pub(crate) fn read(
+    checkpoint: &SumsFile,
+    header: &FilmFile,
+    shot: &Shot<'_>,
+) -> Result<FilmSums, Failure> {
+    check(checkpoint, header, shot)?;
+    let limit = shot.job().memory_limit;
+    let (_, film) = checkpoint.read(limit).map_err(|error| unreadable(checkpoint, &error))?;
+    let [_, most] = film.samples_per_pixel();
+    let wanted = shot.job().budget.samples_per_pixel;
+    if let Some(wanted) = wanted.map(|end| end - film.first_sample())
+        && most > wanted
+    {
+        let path = checkpoint.path().display();
+        return Err(Failure::bad_input(format!(
+            "{path} holds up to {} per pixel, more than the {wanted} asked for",
+            text::counted(most as usize, "sample")
+        )));
+    }
+    Ok(film)
+}
+
+/// Refuses sums of another picture, and tells what differs.
+fn check(checkpoint: &SumsFile, header: &FilmFile, shot: &Shot<'_>) -> Result<(), Failure> {
+    let mut found = differences(&header.record.identity, &shot.identity());
+    let first = shot.job().first_sample;
+    if header.first_sample != first {
+        found.push(Difference {
+            name: "first sample".to_owned(),
+            file: header.first_sample.to_string(),
+            other: first.to_string(),
+        });
+    }
+    if found.is_empty() {
+        return Ok(());
+    }
+    let path = checkpoint.path().display();
+    let mut message = format!("{path} is of another picture, and stays as it is:");
+    for Difference { name, file, other } in &found {
+        message.push_str(&format!("\n  {name}: {file}; now {other}"));
+    }
+    message.push_str("\n--resume=never starts afresh and overwrites it");
+    Err(Failure::bad_input(message))
+}
+
+fn unreadable(checkpoint: &SumsFile, error: &FilmFileError) -> Failure {
+    let path = checkpoint.path().display();
+    let message = format!(
+        "cannot go on with {path}: {error}; it stays as it is, --resume=never starts afresh and \
+         overwrites it"
+    );
+    match error {
+        FilmFileError::Io(_) => Failure::failed(message),
+        _ => Failure::bad_input(message),
+    }
+}

@@ -1,0 +1,184 @@
+//! How sums become a picture: what a film and a camera say about it, apart from the sums.
+//!
+//! It is written into checkpoints and parts, so that parts can be merged without their scene.
+
+use etendue_image::{ExrPrecision, MetadataValue, ToneMap};
+use etendue_render::SensorSetup;
+use etendue_render::film::PixelFormat;
+
+/// What a picture's files need to know beside the sums.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Development {
+    pub(crate) pixel_format: PixelFormat,
+    pub(crate) precision: ExrPrecision,
+    pub(crate) tone_map: ToneMap,
+    /// Stops.
+    pub(crate) exposure: f32,
+    /// Width and height of the whole film.
+    pub(crate) film: [u32; 2],
+    /// In hexadecimal.
+    pub(crate) scene_hash: String,
+    pub(crate) seed: u64,
+    pub(crate) world_to_camera: [f32; 16],
+    pub(crate) world_to_ndc: [f32; 16],
+}
+
+/// A value and its name in a file.
+type Named<T> = (&'static str, T);
+
+const PIXEL_FORMATS: [Named<PixelFormat>; 6] = [
+    ("luminance", PixelFormat::Luminance),
+    ("luminance_alpha", PixelFormat::LuminanceAlpha),
+    ("rgb", PixelFormat::Rgb),
+    ("rgba", PixelFormat::Rgba),
+    ("xyz", PixelFormat::Xyz),
+    ("xyza", PixelFormat::Xyza),
+];
+
+const PRECISIONS: [Named<ExrPrecision>; 2] =
+    [("float16", ExrPrecision::Half), ("float32", ExrPrecision::Float)];
+
+const TONE_MAPS: [Named<ToneMap>; 4] = [
+    ("none", ToneMap::None),
+    ("aces", ToneMap::Aces),
+    ("agx", ToneMap::Agx),
+    ("filmic", ToneMap::Filmic),
+];
+
+impl Development {
+    pub(crate) fn new(setup: &SensorSetup, scene_hash: &[u8; 32], seed: u64) -> Self {
+        let film = &setup.film;
+        let camera = setup.sensor.camera_matrices();
+        // OpenEXR's matrices are for row vectors, and so the transposes of glam's: written column
+        // by column they are right.
+        Self {
+            pixel_format: film.pixel_format,
+            precision: film.component_format,
+            tone_map: film.display.tone_map,
+            exposure: film.display.exposure,
+            film: [film.width, film.height],
+            scene_hash: hexadecimal(scene_hash),
+            seed,
+            world_to_camera: camera.world_to_camera.to_cols_array(),
+            world_to_ndc: camera.world_to_ndc.to_cols_array(),
+        }
+    }
+
+    /// As texts, each under its name.
+    pub(crate) fn to_notes(&self) -> Vec<(String, String)> {
+        let [width, height] = self.film;
+        let notes = [
+            ("pixel format", name_of(&PIXEL_FORMATS, self.pixel_format)),
+            ("component format", name_of(&PRECISIONS, self.precision)),
+            ("tone map", name_of(&TONE_MAPS, self.tone_map)),
+            ("exposure", self.exposure.to_string()),
+            ("film", format!("{width} {height}")),
+            ("scene", self.scene_hash.clone()),
+            ("seed", self.seed.to_string()),
+            ("world to camera", numbers(&self.world_to_camera)),
+            ("world to NDC", numbers(&self.world_to_ndc)),
+        ];
+        notes.map(|(name, value)| (name.to_owned(), value)).into()
+    }
+
+    /// From what [`Self::to_notes`] gave; `None` if something is missing or makes no sense.
+    pub(crate) fn from_notes(notes: &[(String, String)]) -> Option<Self> {
+        let note = |name: &str| {
+            notes.iter().find(|(other, _)| other == name).map(|(_, value)| value.as_str())
+        };
+        Some(Self {
+            pixel_format: named(&PIXEL_FORMATS, note("pixel format")?)?,
+            precision: named(&PRECISIONS, note("component format")?)?,
+            tone_map: named(&TONE_MAPS, note("tone map")?)?,
+            exposure: note("exposure")?.parse().ok()?,
+            film: parse(note("film")?)?,
+            scene_hash: note("scene")?.to_owned(),
+            seed: note("seed")?.parse().ok()?,
+            world_to_camera: parse(note("world to camera")?)?,
+            world_to_ndc: parse(note("world to NDC")?)?,
+        })
+    }
+
+    /// The attributes of a picture of so many samples per pixel, which took so many seconds.
+    pub(crate) fn metadata(
+        &self,
+        samples_per_pixel: u32,
+        seconds: f64,
+    ) -> Vec<(String, MetadataValue)> {
+        let text = |value: String| MetadataValue::Text(value);
+        let count = i32::try_from(samples_per_pixel).unwrap_or(i32::MAX);
+        let entries = [
+            ("software", text(format!("Etendue {}", env!("CARGO_PKG_VERSION")))),
+            ("sceneHash", text(self.scene_hash.clone())),
+            // Header integers are 32 bits and signed, but seeds have 64.
+            ("seed", text(self.seed.to_string())),
+            ("samplesPerPixel", MetadataValue::Integer(count)),
+            ("renderSeconds", MetadataValue::Float(seconds as f32)),
+            ("worldToCamera", MetadataValue::Matrix4(self.world_to_camera)),
+            ("worldToNDC", MetadataValue::Matrix4(self.world_to_ndc)),
+        ];
+        entries.map(|(name, value)| (name.to_owned(), value)).into()
+    }
+}
+
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn name_of<T: PartialEq>(names: &[Named<T>], value: T) -> String {
+    let found = names.iter().find(|(_, other)| *other == value);
+    found.map_or_else(String::new, |(name, _)| (*name).to_owned())
+}
+
+fn named<T: Copy>(names: &[Named<T>], name: &str) -> Option<T> {
+    names.iter().find(|(other, _)| *other == name).map(|(_, value)| *value)
+}
+
+/// Numbers with all their digits.
+fn numbers(values: &[f32]) -> String {
+    values.iter().map(f32::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// As many numbers as asked for, and no more.
+fn parse<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let values: Option<Vec<T>> = text.split(' ').map(|value| value.parse().ok()).collect();
+    values?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn development() -> Development {
+        Development {
+            pixel_format: PixelFormat::Xyza,
+            precision: ExrPrecision::Half,
+            tone_map: ToneMap::Agx,
+            exposure: -0.1,
+            film: [640, 360],
+            scene_hash: hexadecimal(&[0xab; 32]),
+            seed: u64::MAX,
+            world_to_camera: std::array::from_fn(|i| 1.0 / (i as f32 + 3.0)),
+            world_to_ndc: std::array::from_fn(|i| f32::MIN_POSITIVE * i as f32),
+        }
+    }
+
+    #[test]
+    fn notes_keep_every_bit() {
+        let notes = development().to_notes();
+        assert_eq!(Development::from_notes(&notes), Some(development()));
+    }
+
+    #[test]
+    fn every_note_is_needed_and_must_make_sense() {
+        let notes = development().to_notes();
+        for index in 0..notes.len() {
+            let mut fewer = notes.clone();
+            fewer.remove(index);
+            assert_eq!(Development::from_notes(&fewer), None, "without {}", notes[index].0);
+        }
+        let mut wrong = notes;
+        wrong[4].1 = "640".to_owned();
+        assert_eq!(Development::from_notes(&wrong), None);
+    }
+}
