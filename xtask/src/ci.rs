@@ -1,10 +1,10 @@
-//! `cargo xtask ci`: everything that a change must pass.
+//! `cargo xtask ci [--slurm]`: everything that a change must pass.
 
 use std::process::Command;
 use std::time::Instant;
 
 use crate::workspace::{cargo, has_subcommand};
-use crate::{deps, generate, links, seeds, suite};
+use crate::{deps, generate, links, openjd, seeds, slurm, suite};
 
 /// How a step ended.
 enum Outcome {
@@ -35,11 +35,19 @@ const STEPS: &[Step] = &[
     Step { name: "licences", run: licences },
 ];
 
+/// The checks that need a farm's programs, asked for by `--slurm`.
+const FARM_STEPS: &[Step] = &[
+    Step { name: "Slurm", run: slurm_scripts },
+    Step { name: "Open Job Description", run: openjd_template },
+];
+
 /// Runs every step, also after one has failed, and counts.
-pub(crate) fn run(_arguments: &[String]) -> bool {
+pub(crate) fn run(arguments: &[String]) -> bool {
+    let with_farms = arguments.iter().any(|argument| argument == "--slurm");
+    let farm_steps = if with_farms { FARM_STEPS } else { &[] };
     let mut failed = Vec::new();
     let mut passed_count = 0;
-    for step in STEPS {
+    for step in STEPS.iter().chain(farm_steps) {
         println!("== {}", step.name);
         let started = Instant::now();
         let outcome = (step.run)();
@@ -101,6 +109,21 @@ fn render_tests() -> Outcome {
         Some(_) => passed(suite::run(&[])),
         None => Outcome::Skipped("../shared/mitsuba-suite is not there"),
     }
+}
+
+/// An array of jobs on a Slurm of its own.
+fn slurm_scripts() -> Outcome {
+    match slurm::why_not() {
+        None => passed(slurm::run(&[])),
+        Some(reason) => Outcome::Skipped(reason),
+    }
+}
+
+fn openjd_template() -> Outcome {
+    if !openjd::is_there() {
+        return Outcome::Skipped("openjd-cli is not installed");
+    }
+    passed(openjd::run(&[]))
 }
 
 fn unused_dependencies() -> Outcome {

@@ -11,9 +11,13 @@ mod ci;
 mod deps;
 mod etendue;
 mod generate;
+mod kill;
 mod links;
+mod openjd;
 mod portable_float_map;
 mod seeds;
+mod slurm;
+mod soak;
 mod suite;
 mod workspace;
 
@@ -34,8 +38,12 @@ const TASKS: &[Task] = &[
     Task { name: "deps", about: "edges between crates against the table", run: deps::run },
     Task { name: "docs", about: "reference pages from what the code says", run: generate::docs },
     Task { name: "gallery", about: "the pictures under gallery/", run: generate::gallery },
+    Task { name: "kill", about: "renders killed and resumed: [COUNT] [SEED]", run: kill::run },
     Task { name: "links", about: "relative links in Markdown files", run: links::run },
+    Task { name: "openjd", about: "the template for Open Job Description", run: openjd::run },
     Task { name: "seeds", about: "the seed scenes beside their references", run: seeds::run },
+    Task { name: "slurm", about: "the scripts for Slurm, on a real one", run: slurm::run },
+    Task { name: "soak", about: "constant memory: [MINUTES] [SCENE]", run: soak::run },
     Task { name: "suite", about: "Mitsuba's own render tests: [DIR] [NAME...]", run: suite::run },
     Task { name: "bench", about: "speed, beside a peer", run: bench::run },
 ];

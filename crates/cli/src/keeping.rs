@@ -140,10 +140,11 @@ impl Keeper<'_> {
     /// kept.
     pub(crate) fn write_checkpoint(&self) -> bool {
         let Some(checkpoint) = self.checkpoint else { return false };
+        let began = Instant::now();
         let written = checkpoint.write(self.film, &self.shot.record(self.seconds()));
         let path = checkpoint.path().display();
         match &written {
-            Ok(()) => self.display.checkpoint(checkpoint.path()),
+            Ok(()) => self.display.checkpoint(checkpoint.path(), began.elapsed()),
             Err(error) => {
                 let kept = if checkpoint.exists() { "; the last one stays" } else { "" };
                 self.display.warn(&format!("cannot write {path}: {error}{kept}"));

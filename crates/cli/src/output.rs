@@ -1,9 +1,9 @@
 //! Files that are written: named and checked before the work begins, whole or not at all.
 
 use std::fs;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use etendue::SampleChoice;
 use etendue::durable::{folder_of, temporary_name, write_durably};
 use etendue::image::{FileFormat, ImageError};
 
@@ -49,11 +49,11 @@ impl Target {
 }
 
 /// The outputs of a scene for which none were named: its own name with `.exr` and with `.png`, or
-/// with `.A-B.part` for some of the samples.
+/// with `.A-B.part` or `.I-of-N.part` for some of the samples.
 pub(crate) fn default_names(
     scene: &Path,
     folder: &Path,
-    samples: Option<&Range<u32>>,
+    samples: Option<&SampleChoice>,
 ) -> Vec<PathBuf> {
     let stem = scene.file_stem().unwrap_or_else(|| "picture".as_ref());
     // A stem may hold dots, so the extension is added rather than set.
@@ -64,7 +64,12 @@ pub(crate) fn default_names(
         folder.join(name)
     };
     match samples {
-        Some(samples) => vec![named(format!("{}-{}.part", samples.start, samples.end))],
+        Some(SampleChoice::Indices(indices)) => {
+            vec![named(format!("{}-{}.part", indices.start, indices.end))]
+        }
+        Some(SampleChoice::Part { number, count }) => {
+            vec![named(format!("{number}-of-{count}.part"))]
+        }
         None => ["exr", "png"].map(|extension| named(extension.to_owned())).into(),
     }
 }
@@ -93,7 +98,7 @@ mod tests {
         let scene = Path::new("a/b/scene.v2.xml");
         let names = default_names(scene, Path::new("out"), None);
         assert_eq!(names, [PathBuf::from("out/scene.v2.exr"), PathBuf::from("out/scene.v2.png")]);
-        let part = default_names(scene, Path::new("out"), Some(&(16..32)));
+        let part = default_names(scene, Path::new("out"), Some(&SampleChoice::Indices(16..32)));
         assert_eq!(part, [PathBuf::from("out/scene.v2.16-32.part")]);
     }
 }

@@ -1,10 +1,9 @@
 //! Readers of argument values.
 
-use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use etendue::{Region, SampleId};
+use etendue::{Region, SampleChoice, SampleId};
 
 /// `WIDTHxHEIGHT` in pixels.
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
@@ -63,13 +62,23 @@ pub(crate) fn interval(text: &str) -> Result<Duration, String> {
     if interval.is_zero() { Err("expected more than no time".to_owned()) } else { Ok(interval) }
 }
 
-/// `A..B`: sample indices from A to below B.
-pub(crate) fn samples(text: &str) -> Result<Range<u32>, String> {
-    let ends = text.split_once("..");
-    let range = ends.and_then(|(start, end)| Some(start.parse().ok()?..end.parse().ok()?));
-    range
-        .filter(|range: &Range<u32>| !range.is_empty())
-        .ok_or_else(|| "expected A..B, such as 0..64, of which B is the first one left out".into())
+/// `A..B`: sample indices from A to below B; or `I/N`: the part I of N, from 1.
+pub(crate) fn samples(text: &str) -> Result<SampleChoice, String> {
+    let numbers = |separator: &str| {
+        let (first, second) = text.split_once(separator)?;
+        Some((first.parse::<u32>().ok()?, second.parse::<u32>().ok()?))
+    };
+    match (numbers(".."), numbers("/")) {
+        (Some((start, end)), _) if start < end => Ok(SampleChoice::Indices(start..end)),
+        (_, Some((number, count))) if (1..=count).contains(&number) => {
+            Ok(SampleChoice::Part { number, count })
+        }
+        _ => {
+            Err("expected A..B, such as 0..64, of which B is the first one left out, or I/N, such \
+                  as 1/8"
+                .into())
+        }
+    }
 }
 
 fn unit_in_seconds(unit: &str) -> Option<f64> {
@@ -153,8 +162,11 @@ mod tests {
     fn intervals_and_ranges_are_not_empty() {
         assert_eq!(interval("5s"), Ok(Duration::from_secs(5)));
         assert!(interval("0").is_err());
-        assert_eq!(samples("16..32"), Ok(16..32));
-        for wrong in ["16", "16..16", "32..16", "..4", "a..b", "-1..4", "0..4294967296"] {
+        assert_eq!(samples("16..32"), Ok(SampleChoice::Indices(16..32)));
+        assert_eq!(samples("8/8"), Ok(SampleChoice::Part { number: 8, count: 8 }));
+        for wrong in
+            ["16", "16..16", "32..16", "..4", "a..b", "-1..4", "0..4294967296", "0/4", "5/4"]
+        {
             assert!(samples(wrong).is_err(), "{wrong}");
         }
     }

@@ -54,9 +54,10 @@ impl ProgressDisplay {
         }
     }
 
-    /// Says that what is done is kept: to other programs only.
-    pub(crate) fn checkpoint(&self, path: &Path) {
-        self.event("checkpoint", &json!({ "file": path.display().to_string() }));
+    /// Says that what was done some time ago is kept: to other programs only.
+    pub(crate) fn checkpoint(&self, path: &Path, ago: Duration) {
+        let (file, seconds) = (path.display().to_string(), ago.as_secs_f64());
+        self.event("checkpoint", &json!({ "file": file, "seconds": seconds }));
     }
 
     /// Tells other programs that something has happened.

@@ -82,7 +82,7 @@ pub use etendue_engine::{
 pub use files::Files;
 pub use findings::Findings;
 pub use load::{Content, LoadTimes, Loaded, load, load_text};
-pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SceneOptions, SensorChoice};
+pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SampleChoice, SceneOptions, SensorChoice};
 pub use rendering::Rendering;
 pub use shot::{Shot, render_file, render_text};
 pub use sums_file::SumsFile;

@@ -33,8 +33,8 @@ pub struct RenderOptions {
     pub region: Option<Region>,
     /// Samples for every pixel; if neither this nor a time is given, what the scene's sampler says.
     pub samples_per_pixel: Option<u32>,
-    /// The sample indices to take, as a part of a picture of that many samples; `None` for all.
-    pub samples: Option<Range<u32>>,
+    /// Which of the samples to take, as a part of a picture; `None` for all.
+    pub samples: Option<SampleChoice>,
     /// How many samples the sampler spreads, where they are more or fewer than are taken: a render
     /// that goes on keeps the plan that it began with.
     pub planned_samples: Option<u32>,
@@ -62,6 +62,38 @@ pub enum SensorChoice {
     Id(String),
 }
 
+/// Which of the samples that every pixel is planned to have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SampleChoice {
+    /// Those with these indices.
+    Indices(Range<u32>),
+    /// One of so many parts of nearly the same size.
+    Part {
+        /// Which one, from 1.
+        number: u32,
+        /// How many there are.
+        count: u32,
+    },
+}
+
+impl SampleChoice {
+    /// The indices; empty where there are more parts than samples.
+    #[must_use]
+    pub fn indices(&self, planned: u32) -> Range<u32> {
+        match self {
+            Self::Indices(indices) => indices.clone(),
+            Self::Part { number, count } => {
+                // Below `planned` as long as the number is at most the count.
+                let end = |number: u32| {
+                    let end = u64::from(planned) * u64::from(number) / u64::from((*count).max(1));
+                    u32::try_from(end).unwrap_or(u32::MAX)
+                };
+                end(number.saturating_sub(1))..end(*number)
+            }
+        }
+    }
+}
+
 impl Default for SensorChoice {
     /// The first one.
     fn default() -> Self {
@@ -73,5 +105,25 @@ impl From<&str> for SensorChoice {
     /// A number is a place in the file, everything else an `id`.
     fn from(text: &str) -> Self {
         text.parse().map_or_else(|_| Self::Id(text.to_owned()), Self::Index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_make_the_whole_and_are_nearly_equal() {
+        for (planned, count) in [(1, 1), (64, 8), (100, 7), (3, 5), (u32::MAX, 1000)] {
+            let mut end = 0;
+            for number in 1..=count {
+                let part = SampleChoice::Part { number, count }.indices(planned);
+                assert_eq!(part.start, end);
+                let size = part.end - part.start;
+                assert!(size == planned / count || size == planned / count + 1);
+                end = part.end;
+            }
+            assert_eq!(end, planned);
+        }
     }
 }

@@ -84,10 +84,13 @@ impl<'a> Shot<'a> {
         let planned = options.planned_samples.or(count).unwrap_or(own_count);
         let (first_sample, end) = match &options.samples {
             None => (0, count),
-            Some(samples) if samples.is_empty() || samples.end > planned => {
-                return Err(Error::Samples { samples: samples.clone(), planned });
+            Some(choice) => {
+                let samples = choice.indices(planned);
+                if samples.is_empty() || samples.end > planned {
+                    return Err(Error::Samples { samples, planned });
+                }
+                (samples.start, Some(samples.end))
             }
-            Some(samples) => (samples.start, Some(samples.end)),
         };
         let seed = options.seed.unwrap_or(setup.sampler.seed());
         let sampler = SamplerSpec::new(setup.sampler.kind(), planned, seed);

@@ -1,14 +1,13 @@
 //! `etendue render`: from scenes to picture files.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use etendue::{
-    EngineError, Error, FilmSums, LoadTimes, Region, RenderOptions, Rendering, SampleId,
-    SensorChoice, Shot, Statistics, SumsFile, Workers,
+    EngineError, Error, FilmSums, LoadTimes, Region, RenderOptions, Rendering, SampleChoice,
+    SampleId, SensorChoice, Shot, Statistics, SumsFile, Workers,
 };
 use serde_json::json;
 
@@ -37,10 +36,10 @@ pub(crate) struct Arguments {
     /// Stop after this time: 90s, 10m, 1h30m. Without --spp, as many samples as fit
     #[arg(long, value_name = "TIME", value_parser = parsers::time)]
     time: Option<Duration>,
-    /// Take these samples of each pixel alone, and write a .part for `etendue merge`
-    /// [default name: the scene's with .A-B.part]
-    #[arg(long, value_name = "A..B", value_parser = parsers::samples)]
-    samples: Option<Range<u32>>,
+    /// Take these samples of each pixel alone, from index A to B - 1 or the I-th of N parts, and
+    /// write a .part for `etendue merge` [default name: the scene's with .A-B.part or .I-of-N.part]
+    #[arg(long, value_name = "A..B|I/N", value_parser = parsers::samples)]
+    samples: Option<SampleChoice>,
     /// Choose other random numbers
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,

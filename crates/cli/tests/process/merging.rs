@@ -77,7 +77,8 @@ fn parts_that_do_not_fit_together_are_refused() {
 fn a_range_of_samples_makes_no_picture_and_lies_among_those_planned() {
     let workplace = Workplace::new();
     let scene = small_scene();
-    let cases: [(&[&str], &str); 4] = [
+    let cases: [(&[&str], &str); 5] = [
+        (&["--samples", "1/5", "-o", "a.part"], "0..0 are not among the 4"),
         (&["--samples", "0..2", "-o", "a.exr"], ".part"),
         (&["--samples", "2..9", "-o", "a.part"], "2..9 are not among the 4"),
         (&["--samples", "3..3", "-o", "a.part"], "A..B"),
@@ -88,5 +89,6 @@ fn a_range_of_samples_makes_no_picture_and_lies_among_those_planned() {
         assert!(outcome.stderr.contains(message), "{more:?}: {}", outcome.stderr);
     }
     workplace.succeed(&["render", &scene, "-q", "--samples", "1..3"]);
-    assert_eq!(workplace.files(), ["small.1-3.part"]);
+    workplace.succeed(&["render", &scene, "-q", "--samples", "2/3"]);
+    assert_eq!(workplace.files(), ["small.1-3.part", "small.2-of-3.part"]);
 }

@@ -1,0 +1,31 @@
+#!/bin/bash
+#SBATCH --job-name=etendue
+#SBATCH --requeue
+#SBATCH --open-mode=append
+#SBATCH --signal=B:TERM@120
+# One task of the array: a part of the samples of every pixel.
+#
+# It may be killed, preempted and requeued at any moment: it goes on from its checkpoint. Two
+# minutes before its time is up it keeps what is done and queues itself again.
+set -u
+
+scene=$1 output=$2 samples=$3 parts=$4
+shift 4
+part=$SLURM_ARRAY_TASK_ID
+
+"${ETENDUE:-etendue}" render "$scene" --output "$output.parts/$part.part" \
+    --spp "$samples" --samples "$part/$parts" --resume=auto --skip-existing \
+    --threads "${SLURM_CPUS_PER_TASK:-1}" "$@" &
+child=$!
+trap 'kill -TERM "$child"' TERM
+wait "$child"
+code=$?
+# A signal ends the waiting, not the render, which writes its checkpoint.
+while kill -0 "$child" 2>/dev/null; do
+    wait "$child"
+    code=$?
+done
+if [ "$code" -eq 143 ]; then
+    scontrol requeue "${SLURM_ARRAY_JOB_ID}_$part"
+fi
+exit "$code"
