@@ -145,11 +145,17 @@ pub static TEXTURES: &[Plugin<BuildTexture>] = &[
     plugin("checkerboard", &texture::checkerboard::MANUAL, |b, p| {
         texture::checkerboard::build(b, p).map(Texture::Checkerboard)
     }),
+    plugin("gridtexture", &texture::gridtexture::MANUAL, |b, p| {
+        texture::gridtexture::build(b, p).map(Texture::Grid)
+    }),
     plugin("mesh_attribute", &texture::mesh_attribute::MANUAL, |b, p| {
         texture::mesh_attribute::build(b, p).map(Texture::MeshAttribute)
     }),
     plugin("rawconstant", &texture::rawconstant::MANUAL, |b, p| {
         texture::rawconstant::build(b, p).map(Texture::Constant)
+    }),
+    plugin("scale", &texture::scale::MANUAL, |b, p| {
+        texture::scale::build(b, p).map(Texture::Scale)
     }),
 ];
 
@@ -249,6 +255,11 @@ pub fn find<F: Copy>(table: &'static [Plugin<F>], parameters: &Parameters<'_>) -
 
 /// Reports a plugin that nobody knows.
 pub fn report_unknown(parameters: &Parameters<'_>, names: impl Iterator<Item = &'static str>) {
+    if let Some(advice) = unsupported(parameters.class(), parameters.plugin()) {
+        let message = format!("`{}` is not supported: {advice}", parameters.plugin());
+        parameters.diagnostics().error(Fault::Unsupported, parameters.span(), message);
+        return;
+    }
     let names: Vec<&str> = names.collect();
     let class = parameters.class().name();
     let message = format!("unknown {class} `{}`", parameters.plugin());
@@ -259,6 +270,15 @@ pub fn report_unknown(parameters: &Parameters<'_>, names: impl Iterator<Item = &
         diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));
     }
     parameters.diagnostics().push(diagnostic.help(format!("there are {}", list_names(names))));
+}
+
+/// What to do instead of using a plugin of Mitsuba that has no equal here, not even a near one.
+fn unsupported(class: Class, plugin: &str) -> Option<&'static str> {
+    let polarising = ["circular", "measured_polarized", "polarizer", "retarder"];
+    (class == Class::Bsdf && polarising.contains(&plugin)).then_some(
+        "light has no polarisation here; give the shape another material, such as `null`, which \
+         lets all light pass",
+    )
 }
 
 /// Every plugin of this crate: class, name and manual page.

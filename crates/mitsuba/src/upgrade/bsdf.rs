@@ -23,7 +23,7 @@ pub(super) fn old_defaults(node: &mut Node) {
             || node.children.iter().any(|child| child.name.as_deref() == Some(name))
     };
     if node.class == Class::Bsdf && conductor && !["material", "eta", "k"].into_iter().any(stated) {
-        let copper = parameter(node, "material", Value::String("Cu".to_owned()));
+        let copper = new_parameter(node, "material", Value::String("Cu".to_owned()));
         node.parameters.push(copper);
     }
 }
@@ -70,7 +70,7 @@ fn glossy(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximatio
         None => {
             let keep = ["diffuse_reflectance", "specular_reflectance"];
             node.parameters.retain(|parameter| keep.contains(&parameter.name.as_str()));
-            let alpha = parameter(node, "alpha", Value::Float((alpha_u * alpha_v).sqrt()));
+            let alpha = new_parameter(node, "alpha", Value::Float((alpha_u * alpha_v).sqrt()));
             node.parameters.push(alpha);
             "roughplastic".clone_into(&mut node.plugin);
             "`roughplastic`"
@@ -124,20 +124,20 @@ fn blend(nodes: &mut Vec<Node>, index: usize, glossy: &Glossy) {
     let base = with_parameters(
         node,
         "diffuse",
-        vec![parameter(node, "reflectance", part(glossy.diffuse, 1.0 - weight))],
+        vec![new_parameter(node, "reflectance", part(glossy.diffuse, 1.0 - weight))],
     );
     let lobe = with_parameters(
         node,
         "roughconductor",
         vec![
-            parameter(node, "material", Value::String("none".to_owned())),
-            parameter(node, "distribution", Value::String("beckmann".to_owned())),
-            parameter(node, "alpha_u", Value::Float(glossy.alpha_u)),
-            parameter(node, "alpha_v", Value::Float(glossy.alpha_v)),
-            parameter(node, "specular_reflectance", part(glossy.specular, weight)),
+            new_parameter(node, "material", Value::String("none".to_owned())),
+            new_parameter(node, "distribution", Value::String("beckmann".to_owned())),
+            new_parameter(node, "alpha_u", Value::Float(glossy.alpha_u)),
+            new_parameter(node, "alpha_v", Value::Float(glossy.alpha_v)),
+            new_parameter(node, "specular_reflectance", part(glossy.specular, weight)),
         ],
     );
-    let weight = parameter(node, "weight", Value::Float(weight));
+    let weight = new_parameter(node, "weight", Value::Float(weight));
     let first = nodes.len() as u32;
     nodes.extend([base, lobe]);
     let node = &mut nodes[index];
@@ -147,7 +147,8 @@ fn blend(nodes: &mut Vec<Node>, index: usize, glossy: &Glossy) {
     "blendbsdf".clone_into(&mut node.plugin);
 }
 
-fn with_parameters(origin: &Node, plugin: &str, parameters: Vec<Parameter>) -> Node {
+/// A BSDF that stands where the node stands that it was made from.
+pub(super) fn with_parameters(origin: &Node, plugin: &str, parameters: Vec<Parameter>) -> Node {
     Node {
         class: Class::Bsdf,
         plugin: plugin.to_owned(),
@@ -159,6 +160,6 @@ fn with_parameters(origin: &Node, plugin: &str, parameters: Vec<Parameter>) -> N
 }
 
 /// A parameter that stands for the whole node it was made from.
-fn parameter(origin: &Node, name: &str, value: Value) -> Parameter {
+pub(super) fn new_parameter(origin: &Node, name: &str, value: Value) -> Parameter {
     Parameter { name: name.to_owned(), original_name: name.to_owned(), value, span: origin.span }
 }

@@ -9,6 +9,7 @@ mod approximation;
 mod bsdf;
 mod emitter;
 mod integrator;
+mod layers;
 mod names;
 mod sensor;
 mod tables;
@@ -37,6 +38,7 @@ pub(crate) fn upgrade(
     }
     // From the end, so that what is nested has been upgraded before what holds it.
     for index in (0..nodes.len()).rev() {
+        tables::rename_plugin(&mut nodes[index]);
         tables::approximate_plugin(&mut nodes[index], &mut approximations);
         match nodes[index].class {
             Class::Integrator => integrator::upgrade(nodes, index, &mut approximations),
@@ -46,7 +48,10 @@ pub(crate) fn upgrade(
                 let is_old = versions.get(&nodes[index].span.source) == Some(&0);
                 emitter::upgrade(&mut nodes[index], is_old);
             }
-            Class::Bsdf => bsdf::upgrade(nodes, index, &mut approximations),
+            Class::Bsdf => {
+                bsdf::upgrade(nodes, index, &mut approximations);
+                layers::upgrade(nodes, index, &mut approximations);
+            }
             _ => {}
         }
     }

@@ -26,6 +26,9 @@ static RENAMED: &[Renamed] = &[
     renamed(Class::Bsdf, &["diffuse", "roughdiffuse"], "diffuse_reflectance", "reflectance"),
     renamed(Class::Bsdf, &["plastic", "roughplastic"], "reflectance", "diffuse_reflectance"),
     renamed(Class::Film, &[], "high_quality_edges", "sample_border"),
+    // Version 0.3 and before.
+    renamed(Class::Bsdf, &["lambertian"], "diffuse_reflectance", "reflectance"),
+    renamed(Class::Bsdf, &["roughmetal", "roughglass"], "alpha_b", "alpha"),
     // Version 0.4 and before.
     renamed(Class::Emitter, &["area", "constant"], "intensity", "radiance"),
     renamed(Class::Emitter, &["directional"], "intensity", "irradiance"),
@@ -84,8 +87,28 @@ static APPROXIMATED: &[Approximated] = &[
         "perspective",
         "which has no radial distortion",
     ),
+    approximated(Class::Bsdf, "pplastic", "roughplastic", "which knows no polarisation"),
     approximated(Class::Film, "tiledhdrfilm", "hdrfilm", "which writes the file at the end"),
 ];
+
+/// Plugins that have another name now and mean the same.
+static RENAMED_PLUGINS: &[(Class, &str, &str)] = &[
+    (Class::Bsdf, "lambertian", "diffuse"),
+    (Class::Bsdf, "mirror", "conductor"),
+    (Class::Bsdf, "roughmetal", "roughconductor"),
+    (Class::Bsdf, "roughglass", "roughdielectric"),
+    (Class::Bsdf, "composite", "mixturebsdf"),
+    (Class::Texture, "ldrtexture", "bitmap"),
+    (Class::Texture, "exrtexture", "bitmap"),
+];
+
+/// Gives a plugin its name of today.
+pub(super) fn rename_plugin(node: &mut Node) {
+    let same = |rule: &&(Class, &str, &str)| rule.0 == node.class && rule.1 == node.plugin;
+    if let Some((_, _, new)) = RENAMED_PLUGINS.iter().find(same) {
+        node.plugin = (*new).to_owned();
+    }
+}
 
 /// Puts the nearest plugin in the place of one that this version lacks.
 pub(super) fn approximate_plugin(node: &mut Node, approximations: &mut Approximations) {

@@ -9,11 +9,57 @@ use super::{find, number, take};
 /// Upgrades the parameters of one texture.
 pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
     coordinates(node);
+    match node.plugin.as_str() {
+        "vertexcolors" => vertex_colours(node),
+        "wireframe" => wireframe(node, approximations),
+        "curvature" => curvature(node, approximations),
+        _ => {}
+    }
     if node.plugin == "bitmap" {
         filter(node, approximations);
         wrapping(node, approximations);
         gamma(node, approximations);
     }
+}
+
+/// The colours of vertices are an attribute of their mesh like any other.
+fn vertex_colours(node: &mut Node) {
+    node.parameters = vec![parameter(node, "name", Value::String("vertex_color".to_owned()))];
+    "mesh_attribute".clone_into(&mut node.plugin);
+}
+
+/// Edges cannot be told from texture coordinates: what remains is the colour between them.
+fn wireframe(node: &mut Node, approximations: &mut Approximations) {
+    node.parameters.retain(|parameter| parameter.name == "interior_color");
+    node.children.retain(|child| child.name.as_deref() == Some("interior_color"));
+    node.parameters.iter_mut().for_each(|parameter| "color0".clone_into(&mut parameter.name));
+    node.children.iter_mut().for_each(|child| child.name = Some("color0".to_owned()));
+    if node.parameters.is_empty() && node.children.is_empty() {
+        node.parameters.push(parameter(node, "color0", Value::Float(0.5)));
+    }
+    without_lines(node);
+    let message = "a `wireframe` is rendered in its interior colour, without edges";
+    approximations.add(message, node.span);
+}
+
+/// Curvature is a picture of numbers that nothing here computes.
+fn curvature(node: &mut Node, approximations: &mut Approximations) {
+    node.parameters = vec![parameter(node, "color0", Value::Float(0.5))];
+    node.children.clear();
+    without_lines(node);
+    approximations.add("a `curvature` texture is rendered as grey", node.span);
+}
+
+/// A grid of no lines is a colour.
+fn without_lines(node: &mut Node) {
+    let width = parameter(node, "line_width", Value::Float(0.0));
+    node.parameters.push(width);
+    "gridtexture".clone_into(&mut node.plugin);
+}
+
+/// A parameter that stands for the whole node.
+fn parameter(node: &Node, name: &str, value: Value) -> Parameter {
+    Parameter { name: name.to_owned(), original_name: name.to_owned(), value, span: node.span }
 }
 
 /// `uscale`, `vscale`, `uoffset`, `voffset` become `to_uv`: scaled first, then moved, as version

@@ -251,7 +251,7 @@ fn plugins_that_are_gone_become_the_nearest() {
     ] {
         assert_eq!(object(&approximated(content, 2).document, 0).plugin, new);
     }
-    for plugin in ["difftrans", "hk", "roughdiffuse", "coating"] {
+    for plugin in ["roughdiffuse", "coating", "mixturebsdf"] {
         let document = clean(&format!("<bsdf type='{plugin}'/>"));
         assert_eq!(object(&document, 0).plugin, plugin, "is left to who builds it");
     }
@@ -294,4 +294,112 @@ fn the_sky_and_the_sun_of_version_0_6_become_one_plugin() {
     assert_eq!(to_world.transform_vector3(DVec3::Z), DVec3::Y, "up");
     assert_eq!(to_world.transform_vector3(DVec3::NEG_X), DVec3::NEG_Z, "north");
     assert!(!names(sky).contains(&"resolution"));
+}
+
+#[test]
+fn mixtures_become_blends_of_two() {
+    let document = clean(
+        "<bsdf type='mixturebsdf' id='m'><string name='weights' value='0.1, 0.3 0.4'/>
+            <bsdf type='diffuse'/><bsdf type='plastic'/><bsdf type='conductor'/></bsdf>",
+    );
+    // With 0.2 of black there are four parts: two halves of two.
+    let root = object(&document, 0);
+    assert_eq!((root.plugin.as_str(), root.id.as_deref()), ("blendbsdf", Some("m")));
+    let near = |node, expected: f64| {
+        let Value::Float(weight) = value(node, "weight") else { panic!("a weight") };
+        assert!((weight - expected).abs() < 1e-12, "{weight} {expected}");
+    };
+    near(root, 0.6);
+    let (first, second) = (nested(&document, root, 0), nested(&document, root, 1));
+    near(first, 0.75);
+    near(second, 1.0 / 3.0);
+    assert_eq!(nested(&document, first, 1).plugin, "plastic");
+    let black = nested(&document, second, 1);
+    assert_eq!(value(black, "reflectance"), &Value::Float(0.0));
+}
+
+#[test]
+fn mixtures_of_other_numbers_stay_to_be_reported() {
+    for weights in ["0.5", "0.5, 0.5, 0.5", "a, b", "-1, 2", ""] {
+        let document = clean(&format!(
+            "<bsdf type='mixturebsdf'><string name='weights' value='{weights}'/>
+                <bsdf type='diffuse'/><bsdf type='plastic'/></bsdf>"
+        ));
+        assert_eq!(object(&document, 0).plugin, "mixturebsdf", "{weights}");
+    }
+}
+
+#[test]
+fn a_coating_of_a_diffuse_base_is_plastic() {
+    let loaded = approximated(
+        "<bsdf type='coating'><float name='intIOR' value='1.7'/><float name='thickness' value='2'/>
+            <bsdf type='diffuse'><texture name='reflectance' type='bitmap'/></bsdf></bsdf>",
+        2,
+    );
+    let plastic = object(&loaded.document, 0);
+    assert_eq!(
+        (plastic.plugin.as_str(), names(plastic)),
+        ("plastic", vec!["int_ior", "nonlinear"])
+    );
+    assert_eq!(plastic.children[0].name.as_deref(), Some("diffuse_reflectance"));
+}
+
+#[test]
+fn a_coating_of_anything_else_is_a_mirror_mixed_in() {
+    let loaded = approximated(
+        "<bsdf type='roughcoating'><float name='intIOR' value='1.5'/><float name='alpha' value='0.2'/>
+            <bsdf type='roughconductor'/></bsdf>",
+        2,
+    );
+    let document = &loaded.document;
+    let blend = object(document, 0);
+    assert_eq!(blend.plugin, "blendbsdf");
+    let Value::Float(weight) = value(blend, "weight") else { panic!("a weight") };
+    assert!((weight - 0.04).abs() < 1e-12);
+    let coat = nested(document, blend, 1);
+    assert_eq!((coat.plugin.as_str(), names(coat)), ("roughconductor", vec!["alpha", "material"]));
+    assert_eq!(nested(document, blend, 0).plugin, "roughconductor");
+}
+
+#[test]
+fn sheets_and_cloth_become_the_nearest() {
+    let document = clean("<bsdf type='difftrans'><rgb name='transmittance' value='0.3'/></bsdf>");
+    let sheet = object(&document, 0);
+    assert_eq!(
+        (sheet.plugin.as_str(), names(sheet)),
+        ("principledthin", vec!["base_color", "diff_trans"])
+    );
+    let slab = approximated(
+        "<bsdf type='hk'><spectrum name='sigmaS' value='3'/><spectrum name='sigmaA' value='1'/>
+            <float name='thickness' value='1'/></bsdf>",
+        2,
+    );
+    let slab = object(&slab.document, 0);
+    assert_eq!(value(slab, "base_color"), &Value::Rgb(DVec3::splat(0.75)));
+    let cloth =
+        approximated("<bsdf type='irawan'><string name='filename' value='a.wv'/></bsdf>", 2);
+    assert_eq!(object(&cloth.document, 0).plugin, "roughdiffuse");
+    let plastic = approximated("<bsdf type='pplastic'><float name='alpha' value='0.2'/></bsdf>", 2);
+    assert_eq!(object(&plastic.document, 0).plugin, "roughplastic");
+}
+
+#[test]
+fn old_textures_become_the_nearest() {
+    let document = clean("<texture type='vertexcolors'/><texture type='ldrtexture'/>");
+    assert_eq!(value(object(&document, 0), "name"), &text("vertex_color"));
+    assert_eq!(object(&document, 0).plugin, "mesh_attribute");
+    assert_eq!(object(&document, 1).plugin, "bitmap");
+    let wires = approximated(
+        "<texture type='wireframe'><rgb name='interiorColor' value='0.3'/>
+            <rgb name='edgeColor' value='1'/></texture>",
+        2,
+    );
+    let wires = object(&wires.document, 0);
+    assert_eq!(
+        (wires.plugin.as_str(), names(wires)),
+        ("gridtexture", vec!["color0", "line_width"])
+    );
+    assert_eq!(value(wires, "color0"), &Value::Rgb(DVec3::splat(0.3)));
+    let grey = approximated("<texture type='curvature'/>", 2);
+    assert_eq!(value(object(&grey.document, 0), "color0"), &Value::Float(0.5));
 }

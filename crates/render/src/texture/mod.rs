@@ -8,8 +8,10 @@
 
 pub mod bitmap;
 pub mod checkerboard;
+pub mod gridtexture;
 pub mod mesh_attribute;
 pub mod rawconstant;
+pub mod scale;
 mod texels;
 mod uv;
 
@@ -29,6 +31,10 @@ pub enum Texture {
     Checkerboard(checkerboard::Checkerboard),
     /// What a mesh file says of its vertices or faces.
     MeshAttribute(mesh_attribute::MeshAttribute),
+    /// Lines along the edges of squares.
+    Grid(gridtexture::GridTexture),
+    /// Another texture, times a colour.
+    Scale(scale::Scale),
 }
 
 impl Texture {
@@ -36,7 +42,7 @@ impl Texture {
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         match self {
-            Self::Constant(_) | Self::Checkerboard(_) => 0,
+            Self::Constant(_) | Self::Checkerboard(_) | Self::Grid(_) | Self::Scale(_) => 0,
             Self::Bitmap(texture) => texture.memory_bytes(),
             Self::MeshAttribute(texture) => texture.memory_bytes(),
         }
@@ -56,6 +62,8 @@ impl Textures<'_> {
             Texture::Bitmap(texture) => texture.eval(surface.uv),
             Texture::Checkerboard(texture) => texture.eval(*self, surface),
             Texture::MeshAttribute(texture) => texture.eval(surface),
+            Texture::Grid(texture) => texture.eval(*self, surface),
+            Texture::Scale(texture) => texture.eval(*self, surface),
         }
     }
 
@@ -67,6 +75,8 @@ impl Textures<'_> {
             Texture::Bitmap(texture) => texture.eval_scalar(surface.uv),
             Texture::Checkerboard(texture) => texture.eval(*self, surface).luminance(),
             Texture::MeshAttribute(texture) => texture.eval(surface).luminance(),
+            Texture::Grid(texture) => texture.eval(*self, surface).luminance(),
+            Texture::Scale(texture) => texture.eval(*self, surface).luminance(),
         }
     }
 
@@ -75,9 +85,11 @@ impl Textures<'_> {
     #[must_use]
     pub fn gradient(&self, id: TextureId, surface: &SurfaceInteraction) -> Vec2 {
         match &self.0[id.index()] {
-            Texture::Constant(_) | Texture::Checkerboard(_) | Texture::MeshAttribute(_) => {
-                Vec2::ZERO
-            }
+            Texture::Constant(_)
+            | Texture::Checkerboard(_)
+            | Texture::MeshAttribute(_)
+            | Texture::Grid(_) => Vec2::ZERO,
+            Texture::Scale(texture) => texture.gradient(*self, surface),
             Texture::Bitmap(texture) => texture.gradient(surface.uv),
         }
     }
@@ -90,6 +102,8 @@ impl Textures<'_> {
             Texture::Bitmap(texture) => texture.mean(),
             Texture::Checkerboard(texture) => texture.mean(*self),
             Texture::MeshAttribute(texture) => texture.mean(),
+            Texture::Grid(texture) => texture.mean(*self),
+            Texture::Scale(texture) => texture.mean(*self),
         }
     }
 }

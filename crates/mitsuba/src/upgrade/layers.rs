@@ -1,0 +1,206 @@
+//! BSDFs made of others, and sheets: mixtures, coatings, diffuse transmission, woven cloth.
+
+use etendue_document::{Child, Class, Node, NodeId, Parameter, SpectrumValue, Value};
+use glam::DVec3;
+
+use super::approximation::Approximations;
+use super::bsdf::{new_parameter, with_parameters};
+use super::{find, number, take};
+
+/// The reflectance of a coat at normal incidence where its index is not given as a number: that of
+/// glass.
+const USUAL_REFLECTANCE: f64 = 0.04;
+
+/// Upgrades one BSDF whose children have been upgraded; new nodes come at the end.
+pub(super) fn upgrade(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+    match nodes[index].plugin.as_str() {
+        "mixturebsdf" => mixture(nodes, index),
+        "coating" | "roughcoating" => coating(nodes, index, approximations),
+        "difftrans" => diffuse_transmitter(&mut nodes[index]),
+        "hk" => slab(&mut nodes[index], approximations),
+        "irawan" => cloth(&mut nodes[index], approximations),
+        _ => {}
+    }
+}
+
+/// The children that are BSDFs.
+fn nested(nodes: &[Node], index: usize) -> Vec<Child> {
+    let is_bsdf = |child: &&Child| nodes[child.node.index()].class == Class::Bsdf;
+    nodes[index].children.iter().filter(is_bsdf).cloned().collect()
+}
+
+/// A mixture of any number becomes blends of two. What its weights leave to one is black; where
+/// they are above one, all are scaled down, as version 0.6 does.
+fn mixture(nodes: &mut Vec<Node>, index: usize) {
+    let Some(Value::String(text)) = find(&nodes[index], "weights").map(|weights| &weights.value)
+    else {
+        return;
+    };
+    let words = text.split([',', ';', ' ', '\t', '\n']).filter(|word| !word.is_empty());
+    let weights: Result<Vec<f64>, _> = words.map(str::parse::<f64>).collect();
+    let materials = nested(nodes, index);
+    // Where the two do not fit, the plugin stays, to be reported as unknown.
+    let Ok(weights) = weights else { return };
+    let sound = weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0);
+    if weights.len() != materials.len() || weights.is_empty() || !sound {
+        return;
+    }
+    let total: f64 = weights.iter().sum();
+    let mut parts: Vec<(Child, f64)> = materials.into_iter().zip(weights).collect();
+    if total < 1.0 {
+        let origin = &nodes[index];
+        let nothing = new_parameter(origin, "reflectance", Value::Float(0.0));
+        let black = with_parameters(origin, "diffuse", vec![nothing]);
+        parts.push((add(nodes, black), 1.0 - total));
+    }
+    let root = blend(nodes, index, &parts);
+    let Node { plugin, parameters, children, .. } = nodes[root.node.index()].clone();
+    let node = &mut nodes[index];
+    (node.plugin, node.parameters, node.children) = (plugin, parameters, children);
+}
+
+/// Appends a node, and names it as a child of what is to hold it.
+fn add(nodes: &mut Vec<Node>, node: Node) -> Child {
+    let child = Child { name: None, node: NodeId(nodes.len() as u32), span: node.span };
+    nodes.push(node);
+    child
+}
+
+/// Blends of halves, and halves of those, so that they do not get deep.
+fn blend(nodes: &mut Vec<Node>, origin: usize, parts: &[(Child, f64)]) -> Child {
+    if let [(only, _)] = parts {
+        return only.clone();
+    }
+    let halves = parts.split_at(parts.len() / 2);
+    let [first, second] = [halves.0, halves.1].map(|half| {
+        (blend(nodes, origin, half), half.iter().map(|(_, weight)| weight).sum::<f64>())
+    });
+    let sum = first.1 + second.1;
+    let weight = if sum > 0.0 { second.1 / sum } else { 0.0 };
+    let weight = new_parameter(&nodes[origin], "weight", Value::Float(weight));
+    let mut node = with_parameters(&nodes[origin], "blendbsdf", vec![weight]);
+    node.children = vec![first.0, second.0];
+    add(nodes, node)
+}
+
+/// A clear coat over a diffuse base is `plastic`; over anything else, a mirror is mixed in as much
+/// as the coat reflects from above.
+fn coating(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+    let bases = nested(nodes, index);
+    let [base] = bases.as_slice() else { return };
+    let below = nodes[base.node.index()].clone();
+    let plugin = nodes[index].plugin.clone();
+    let is_rough = plugin == "roughcoating";
+    let new = if matches!(below.plugin.as_str(), "diffuse" | "roughdiffuse") {
+        let new = if is_rough { "roughplastic" } else { "plastic" };
+        coat_diffuse(&mut nodes[index], &below, new);
+        format!("`{new}`")
+    } else {
+        let new = if is_rough { "roughconductor" } else { "conductor" };
+        let weight = normal_reflectance(&nodes[index]);
+        let mut coat = nodes[index].clone();
+        keep(&mut coat, &["specular_reflectance", "alpha", "alpha_u", "alpha_v", "distribution"]);
+        coat.id = None;
+        coat.plugin = new.to_owned();
+        let material = new_parameter(&coat, "material", Value::String("none".to_owned()));
+        coat.parameters.push(material);
+        let coat = add(nodes, coat);
+        let node = &mut nodes[index];
+        let weight = new_parameter(node, "weight", Value::Float(weight));
+        (node.parameters, node.children) = (vec![weight], vec![base.clone(), coat]);
+        "blendbsdf".clone_into(&mut node.plugin);
+        format!("a blend with a `{new}`")
+    };
+    let message =
+        format!("`{plugin}` over `{}` is rendered as {new}, without absorption", below.plugin);
+    approximations.add(message, nodes[index].span);
+}
+
+/// Makes a coating of a diffuse base that has been taken out of it.
+fn coat_diffuse(node: &mut Node, base: &Node, plugin: &str) {
+    let kept = ["int_ior", "ext_ior", "specular_reflectance", "alpha", "distribution"];
+    keep(node, &kept);
+    let reflectance = base.parameters.iter().filter(|parameter| parameter.name == "reflectance");
+    node.parameters.extend(reflectance.cloned().map(|mut parameter| {
+        "diffuse_reflectance".clone_into(&mut parameter.name);
+        parameter
+    }));
+    let textures =
+        base.children.iter().filter(|child| child.name.as_deref() == Some("reflectance"));
+    node.children.extend(textures.map(|child| Child {
+        name: Some("diffuse_reflectance".to_owned()),
+        node: child.node,
+        span: child.span,
+    }));
+    // Light that the coat throws back is coloured by the base again, as in the coating.
+    let nonlinear = new_parameter(node, "nonlinear", Value::Boolean(true));
+    node.parameters.push(nonlinear);
+    plugin.clone_into(&mut node.plugin);
+}
+
+/// Removes all parameters and children but some.
+fn keep(node: &mut Node, names: &[&str]) {
+    node.parameters.retain(|parameter| names.contains(&parameter.name.as_str()));
+    node.children.retain(|child| child.name.as_deref().is_some_and(|name| names.contains(&name)));
+}
+
+fn normal_reflectance(node: &Node) -> f64 {
+    let index = |name: &str| find(node, name).and_then(|parameter| number(&parameter.value));
+    let Some(inside) = index("int_ior") else { return USUAL_REFLECTANCE };
+    let eta = inside / index("ext_ior").unwrap_or(1.0);
+    let root = (eta - 1.0) / (eta + 1.0);
+    if root.is_finite() { (root * root).min(1.0) } else { USUAL_REFLECTANCE }
+}
+
+/// Diffuse transmission is a thin sheet that lets all diffuse light pass.
+fn diffuse_transmitter(node: &mut Node) {
+    rename(node, "transmittance", "base_color");
+    let all = new_parameter(node, "diff_trans", Value::Float(2.0));
+    node.parameters.push(all);
+    "principledthin".clone_into(&mut node.plugin);
+}
+
+/// Hanrahan and Krueger's slab becomes a sheet of its albedo, with half of the light on either side.
+fn slab(node: &mut Node, approximations: &mut Approximations) {
+    let albedo = take(node, "albedo").and_then(|albedo| colour(&albedo.value));
+    let [scattering, absorption] =
+        ["sigma_s", "sigma_a"].map(|name| take(node, name).and_then(|found| colour(&found.value)));
+    let ratio = scattering.zip(absorption).map(|(scattering, absorption)| {
+        let extinction = (scattering + absorption).max(DVec3::splat(f64::MIN_POSITIVE));
+        (scattering / extinction).clamp(DVec3::ZERO, DVec3::ONE)
+    });
+    let color = albedo.or(ratio).unwrap_or(DVec3::splat(0.5));
+    node.parameters = vec![
+        new_parameter(node, "base_color", Value::Rgb(color)),
+        new_parameter(node, "diff_trans", Value::Float(1.0)),
+    ];
+    node.children.clear();
+    "principledthin".clone_into(&mut node.plugin);
+    let message = "`hk` is rendered as `principledthin`, a diffuse sheet of its albedo";
+    approximations.add(message, node.span);
+}
+
+/// Woven cloth becomes a rough surface: its weave is in a file of its own kind.
+fn cloth(node: &mut Node, approximations: &mut Approximations) {
+    node.parameters = vec![new_parameter(node, "alpha", Value::Float(0.5))];
+    node.children.clear();
+    "roughdiffuse".clone_into(&mut node.plugin);
+    let message = "`irawan` is rendered as `roughdiffuse`, without its weave";
+    approximations.add(message, node.span);
+}
+
+fn rename(node: &mut Node, old: &str, new: &str) {
+    let parameters = node.parameters.iter_mut().filter(|parameter| parameter.name == old);
+    parameters.for_each(|parameter: &mut Parameter| new.clone_into(&mut parameter.name));
+    let children = node.children.iter_mut().filter(|child| child.name.as_deref() == Some(old));
+    children.for_each(|child| child.name = Some(new.to_owned()));
+}
+
+/// A colour that is the same at all wavelengths, or given in RGB.
+fn colour(value: &Value) -> Option<DVec3> {
+    match value {
+        Value::Rgb(colour) => Some(*colour),
+        Value::Spectrum(SpectrumValue::Constant(value)) => Some(DVec3::splat(*value)),
+        value => number(value).map(DVec3::splat),
+    }
+}
