@@ -123,7 +123,12 @@ fn asked(class: Class, name: &str, manual: &Manual) -> Vec<String> {
         })
         .unwrap_or_else(|| panic!("`{name}` accepts anything: {found:?}"));
     let listed = warning.help.join(" ");
-    listed.split('`').skip(1).step_by(2).map(str::to_owned).filter(|word| word != name).collect()
+    let mut words: Vec<String> = listed.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    // The plugin itself is named too; it may have a parameter of that name.
+    if let Some(place) = words.iter().position(|word| word == name) {
+        words.remove(place);
+    }
+    words
 }
 
 #[test]
