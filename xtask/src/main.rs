@@ -8,6 +8,7 @@
 
 mod bench;
 mod ci;
+mod counts;
 mod deps;
 mod etendue;
 mod generate;
@@ -35,6 +36,7 @@ struct Task {
 const TASKS: &[Task] = &[
     Task { name: "ci", about: "format, lints, tests, docs, edges, licences", run: ci::run },
     Task { name: "assets", about: "meshes and pictures of the scenes", run: generate::assets },
+    Task { name: "counts", about: "rays that leak or miss: --full for all", run: counts::run },
     Task { name: "deps", about: "edges between crates against the table", run: deps::run },
     Task { name: "docs", about: "reference pages from what the code says", run: generate::docs },
     Task { name: "gallery", about: "the pictures under gallery/", run: generate::gallery },

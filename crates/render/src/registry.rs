@@ -123,7 +123,7 @@ pub static SHAPES: &[Plugin<BuildGeometry>] = &[
         shape::rectangle::build(p).map(Geometry::Mesh)
     }),
     plugin("revsurface", &shape::revsurface::MANUAL, |_, p| {
-        shape::revsurface::build(p).map(Geometry::Mesh)
+        shape::revsurface::build(p).map(|surface| Geometry::RevSurface(Box::new(surface)))
     }),
     plugin("serialized", &shape::serialized::MANUAL, |a, p| {
         shape::serialized::build(a, p).map(Geometry::Mesh)

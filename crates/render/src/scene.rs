@@ -116,9 +116,10 @@ pub(crate) fn build_tree(shapes: &[Shape], groups: &[Group]) -> Result<Bvh, Stri
                 group: Arc::clone(&groups[instance.group.index()].bvh),
                 to_world: instance.to_world.affine(),
             },
-            Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {
-                GeometryView::User(std::slice::from_ref(bounds))
-            }
+            Geometry::Sphere(_)
+            | Geometry::Disk(_)
+            | Geometry::Cylinder(_)
+            | Geometry::RevSurface(_) => GeometryView::User(std::slice::from_ref(bounds)),
         })
         .collect();
     Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())
@@ -327,6 +328,7 @@ impl Scene {
                     statistics.mesh_bytes += mesh.memory_bytes();
                 }
                 Geometry::Instance(_) => statistics.instances += 1,
+                Geometry::RevSurface(surface) => statistics.mesh_bytes += surface.memory_bytes(),
                 Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {}
             }
         }
@@ -342,15 +344,28 @@ impl Scene {
             Geometry::Sphere(sphere) => (sphere.intersect(ray)?, Vec2::ZERO),
             Geometry::Disk(disk) => disk.intersect(ray)?,
             Geometry::Cylinder(cylinder) => cylinder.intersect(ray)?,
+            Geometry::RevSurface(surface) => surface.intersect(ray)?,
             Geometry::Mesh(_) | Geometry::Instance(_) => return None,
         };
         Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+
+    /// Whether one of the analytic shapes is in the way.
+    fn occludes_shape(&self, id: ShapeId, ray: &Ray) -> bool {
+        match &self.shapes[id.index()].geometry {
+            Geometry::RevSurface(surface) => surface.occludes(ray),
+            _ => self.intersect_shape(id, ray).is_some(),
+        }
     }
 }
 
 impl Primitives for Scene {
     fn intersect(&self, geometry: u32, _: u32, ray: &Ray) -> Option<PrimitiveHit> {
         self.intersect_shape(ShapeId(geometry), ray)
+    }
+
+    fn occludes(&self, geometry: u32, _: u32, ray: &Ray) -> bool {
+        self.occludes_shape(ShapeId(geometry), ray)
     }
 
     fn intersect_in(
@@ -367,7 +382,11 @@ impl Primitives for Scene {
         self.intersect_shape(ShapeId(first.0 + geometry), ray)
     }
 
-    fn occludes_in(&self, instance: u32, geometry: u32, primitive: u32, ray: &Ray) -> bool {
-        self.intersect_in(instance, geometry, primitive, ray).is_some()
+    fn occludes_in(&self, instance: u32, geometry: u32, _: u32, ray: &Ray) -> bool {
+        let Geometry::Instance(instance) = &self.shapes[instance as usize].geometry else {
+            return false;
+        };
+        let first = self.groups[instance.group.index()].first_shape;
+        self.occludes_shape(ShapeId(first.0 + geometry), ray)
     }
 }

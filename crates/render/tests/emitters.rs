@@ -64,7 +64,7 @@ fn traced_pdf(scene: &Scene, direction: Vec3) -> f32 {
     }
 }
 
-const HITTABLE: [(&str, &str); 12] = [
+const HITTABLE: [(&str, &str); 13] = [
     (
         "sphere from outside",
         r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#,
@@ -88,6 +88,10 @@ const HITTABLE: [(&str, &str); 12] = [
     (
         "cylinder from inside",
         r#"<shape type="cylinder"><point name="p0" x="0" y="-2" z="0"/><point name="p1" x="0" y="3" z="1"/><float name="radius" value="1.5"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+    ),
+    (
+        "surface of revolution from inside",
+        r#"<shape type="revsurface"><curve type="bezier"><vec value="0, -1.5, 0"/><vec value="2, -1.5, 0"/><vec value="1.2, 1.5, 0"/><vec value="0, 1.5, 0"/></curve><transform name="to_world"><scale x="1" y="1" z="1.5"/><rotate x="1" angle="60"/></transform><emitter type="area"/></shape>"#,
     ),
     (
         "cube from inside",

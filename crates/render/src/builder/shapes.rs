@@ -45,11 +45,9 @@ impl<'a> Builder<'a> {
         self.keep_attributes(&parameters, &mut geometry);
         let id = ShapeId(parts.shapes.len() as u32);
         let emitter = self.shape_emitter(&parameters, id).map(|emitter| {
-            if let Geometry::Mesh(mesh) = &mut geometry {
-                mesh.prepare_sampling();
-                if let Emitter::Area(area) = &emitter {
-                    area.let_follow(mesh, &self.textures);
-                }
+            geometry.prepare_sampling();
+            if let (Geometry::Mesh(mesh), Emitter::Area(area)) = (&mut geometry, &emitter) {
+                area.let_follow(mesh, &self.textures);
             }
             parts.emitters.push(emitter);
             EmitterId(parts.emitters.len() as u32 - 1)

@@ -49,6 +49,8 @@ pub enum Geometry {
     Disk(disk::Disk),
     /// A cylinder without caps.
     Cylinder(cylinder::Cylinder),
+    /// A surface of revolution.
+    RevSurface(Box<revsurface::RevSurface>),
     /// A shape group placed in the scene.
     Instance(instance::Instance),
 }
@@ -132,7 +134,17 @@ impl Geometry {
             Self::Sphere(sphere) => sphere.bounds(),
             Self::Disk(disk) => disk.bounds(),
             Self::Cylinder(cylinder) => cylinder.bounds(),
+            Self::RevSurface(surface) => surface.bounds(),
             Self::Instance(instance) => instance.bounds(),
+        }
+    }
+
+    /// Makes the shape ready to be a light.
+    pub fn prepare_sampling(&mut self) {
+        match self {
+            Self::Mesh(mesh) => mesh.prepare_sampling(),
+            Self::RevSurface(surface) => surface.prepare_sampling(),
+            _ => {}
         }
     }
 
@@ -156,6 +168,9 @@ impl Shape {
             Geometry::Sphere(sphere) => sphere.surface_point(ray, hit.t),
             Geometry::Disk(disk) => disk.surface_point(Vec2::new(hit.u, hit.v)),
             Geometry::Cylinder(cylinder) => cylinder.surface_point(Vec2::new(hit.u, hit.v)),
+            Geometry::RevSurface(surface) => {
+                surface.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v))
+            }
             Geometry::Instance(_) => SurfacePoint::NOWHERE,
         };
         let shading = Frame::from_normal_and_tangent(surface.shading_normal, surface.dp_du);
@@ -190,6 +205,7 @@ impl Shape {
             Geometry::Sphere(sphere) => sphere.area(),
             Geometry::Disk(disk) => disk.area(),
             Geometry::Cylinder(cylinder) => cylinder.area(),
+            Geometry::RevSurface(surface) => surface.area(),
             Geometry::Instance(_) => 0.0,
         }
     }
@@ -202,6 +218,7 @@ impl Shape {
             Geometry::Sphere(sphere) => Some(sphere.sample_area(random)),
             Geometry::Disk(disk) => Some(disk.sample_area(random)),
             Geometry::Cylinder(cylinder) => Some(cylinder.sample_area(random)),
+            Geometry::RevSurface(surface) => surface.sample_area(random),
             Geometry::Instance(_) => None,
         }
     }
@@ -233,6 +250,9 @@ impl Shape {
             geometry => {
                 let pdf = match geometry {
                     Geometry::Mesh(mesh) => mesh.pdf_area(surface),
+                    Geometry::RevSurface(shape) => {
+                        shape.pdf_area(surface.uv.y, surface.dp_du, surface.dp_dv)
+                    }
                     _ => 1.0 / self.area(),
                 };
                 let path = surface.point - reference;

@@ -41,16 +41,21 @@ pub fn point(segment: &Segment, s: f64) -> DVec2 {
     ab.lerp(bc, s).lerp(bc.lerp(cd, s), s)
 }
 
+/// The derivative of a segment by its parameter.
+#[must_use]
+pub fn derivative(segment: &Segment, s: f64) -> DVec2 {
+    let [a, b, c, d] = *segment;
+    let (ab, bc, cd) = (b - a, c - b, d - c);
+    ab.lerp(bc, s).lerp(bc.lerp(cd, s), s) * 3.0
+}
+
 /// A unit tangent of a segment at parameter `s`: where the derivative vanishes, the direction that
 /// it has beside that point.
 #[must_use]
 pub fn tangent(segment: &Segment, s: f64) -> DVec2 {
     let [a, b, c, d] = *segment;
     let size = [b - a, c - b, d - c].iter().map(|v| v.length()).fold(0.0, f64::max);
-    let derivative = |s: f64| {
-        let (ab, bc, cd) = (b - a, c - b, d - c);
-        ab.lerp(bc, s).lerp(bc.lerp(cd, s), s)
-    };
+    let derivative = |s: f64| derivative(segment, s);
     // A tripled control point makes the derivative vanish at the end of a segment.
     let towards_middle = if s < 0.5 { 1.0 } else { -1.0 };
     [0.0, 1e-6, 1e-3, 0.25]

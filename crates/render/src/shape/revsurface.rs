@@ -1,13 +1,34 @@
-//! `revsurface`: a profile turned about the y axis.
+//! `revsurface`: a profile turned about the y axis, intersected exactly.
+//!
+//! Turned about the axis into one half plane, a ray is a hyperbola ([`line`]), and where it crosses
+//! a cubic segment of the profile a polynomial of degree six in the segment's parameter vanishes:
+//! the one that is left when t and the azimuth are eliminated. Segments are cut into short pieces
+//! ([`piece`]) under a tree of their own ([`tree`]), and all roots on a piece are isolated by the
+//! signs of its Bernstein coefficients and polished ([`roots`]).
+//!
+//! Everything happens in double precision, in a space where the profile has size one.
 
-use super::mesh::{Mesh, MeshOptions};
+mod area;
+mod line;
+mod piece;
+mod roots;
+#[cfg(test)]
+mod tests;
+mod tree;
+
 use super::profile::{self, Segment};
+use super::{ShapeSample, SurfacePoint};
 use crate::builder::read_transform;
 use crate::manual::{Manual, parameter};
+use area::AreaTable;
 use etendue_document::{Class, Fault, Parameters};
-use etendue_mesh::TriangleMesh;
-use glam::{DVec2, Vec2, Vec3};
+use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
+use line::Line;
+use piece::{Piece, Root};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use tree::Tree;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -23,23 +44,50 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<shape type="revsurface"><curve type="bezier"><vec value="1, 0, 0"/><vec value="0.5, 0.5, 0"/><vec value="0.5, 1, 0"/><vec value="1, 2, 0"/></curve></shape>"#,
 };
 
-/// How far a facet may lie from the surface, relative to the profile's size.
-const TOLERANCE: f64 = 2e-5;
-/// Steps around the axis: the sagitta of a facet is π²/2/steps² of the radius.
-const STEPS_AROUND: u32 = 512;
 /// More control points than anybody draws.
 const MAX_SEGMENTS: usize = 10_000;
-/// Steps along one segment at most.
-const MAX_STEPS_ALONG: f64 = 64.0;
 
-/// Reads a surface of revolution as a fine mesh with exact normals at its vertices.
+/// A surface of revolution in world space.
+#[derive(Clone, Debug)]
+pub struct RevSurface {
+    to_local: DAffine3,
+    to_world: DAffine3,
+    /// Takes normals to the world, to the front.
+    normal_to_world: DMat3,
+    pieces: Vec<Piece>,
+    tree: Tree,
+    segment_count: usize,
+    /// The square of the distance of the farthest point from the local origin.
+    radius_squared: f64,
+    bounds: Bounds3,
+    /// The largest coordinate in the world.
+    extent: f64,
+    area: f32,
+    sampling: Option<AreaTable>,
+}
+
+/// Where a line passes through the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The ray's parameter, which may be negative.
+    pub t: f64,
+    /// The coordinate along the profile.
+    pub v: f64,
+}
+
+/// Reads a surface of revolution.
 #[must_use]
-pub fn build(parameters: &Parameters<'_>) -> Option<Mesh> {
+pub fn build(parameters: &Parameters<'_>) -> Option<RevSurface> {
     let flip_normals = parameters.boolean("flip_normals", false);
     let segments = read_profile(parameters);
-    let to_world = read_transform(parameters, "to_world")?;
-    let mesh = tessellate(&segments?);
-    Mesh::new(mesh, &MeshOptions::placement(to_world, flip_normals)).ok()
+    read_transform(parameters, "to_world")?;
+    let to_world = DAffine3::from_mat4(parameters.transform("to_world"));
+    let surface = RevSurface::new(&segments?, to_world, flip_normals);
+    if surface.is_none() {
+        let message = "the profile lies on the axis: there is nothing to be seen";
+        parameters.error(Fault::Geometry, "curve", message);
+    }
+    surface
 }
 
 fn read_profile(parameters: &Parameters<'_>) -> Option<Vec<Segment>> {
@@ -75,89 +123,263 @@ fn read_profile(parameters: &Parameters<'_>) -> Option<Vec<Segment>> {
     usable
 }
 
-/// A ring of vertices: a point of the profile with its tangent and its v coordinate.
-struct Ring {
-    point: DVec2,
-    tangent: DVec2,
-    v: f64,
-}
-
-fn tessellate(segments: &[Segment]) -> TriangleMesh {
-    let rings = rings(segments);
-    let mut mesh = TriangleMesh { name: "revsurface".to_owned(), ..TriangleMesh::default() };
-    for ring in &rings {
-        // One vertex more than steps: the seam has two coordinates at the same position.
-        for step in 0..=STEPS_AROUND {
-            let u = f64::from(step) / f64::from(STEPS_AROUND);
-            let (sin, cos) =
-                (TAU * f64::from(step % STEPS_AROUND) / f64::from(STEPS_AROUND)).sin_cos();
-            let turned = |p: DVec2| Vec3::new((p.x * cos) as f32, p.y as f32, (p.x * sin) as f32);
-            mesh.positions.push(turned(ring.point));
-            mesh.normals.push(turned(DVec2::new(-ring.tangent.y, ring.tangent.x)));
-            mesh.uvs.push(Vec2::new(u as f32, ring.v as f32));
+impl RevSurface {
+    /// Turns `segments` about the y axis; `None` where nothing of them is off that axis, or the
+    /// transform has no inverse. The front is on the left of the profile, unless `flip_normals`.
+    #[must_use]
+    pub fn new(segments: &[Segment], to_world: DAffine3, flip_normals: bool) -> Option<Self> {
+        let points = || segments.iter().flatten();
+        let low = points().fold(f64::INFINITY, |low, p| low.min(p.y));
+        let high = points().fold(f64::NEG_INFINITY, |high, p| high.max(p.y));
+        let width = points().fold(0.0, |width: f64, p| width.max(p.x.abs()));
+        let middle = DVec2::new(0.0, 0.5 * (low + high));
+        let size = width.max(0.5 * (high - low));
+        let unit: Vec<Segment> =
+            segments.iter().map(|segment| segment.map(|p| (p - middle) / size)).collect();
+        let scale = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(size),
+            glam::DQuat::IDENTITY,
+            middle.extend(0.0),
+        );
+        let to_world = to_world * scale;
+        let to_local = to_world.inverse();
+        let is_solid = size > 0.0 && size.is_finite();
+        let pieces = if is_solid { piece::split(&unit) } else { Vec::new() };
+        if pieces.is_empty() || !to_local.is_finite() {
+            return None;
         }
+        let farthest = |p: &DVec2| p.length_squared();
+        let bounds = bounds(&to_world, unit.iter().flatten());
+        let mut surface = Self {
+            to_local,
+            to_world,
+            normal_to_world: to_local.matrix3.transpose() * if flip_normals { -1.0 } else { 1.0 },
+            tree: Tree::new(&pieces.iter().map(Piece::extent).collect::<Vec<_>>()),
+            pieces,
+            segment_count: segments.len(),
+            // A little more, so that rounding loses nothing.
+            radius_squared: unit.iter().flatten().map(farthest).fold(0.0, f64::max) * (1.0 + 1e-9),
+            bounds,
+            extent: f64::from(bounds.min.abs().max(bounds.max.abs()).max_element()),
+            area: 0.0,
+            sampling: None,
+        };
+        surface.area = area::measure(&surface).1;
+        Some(surface)
     }
-    for ring in 1..rings.len() as u32 {
-        for step in 0..STEPS_AROUND {
-            let (below, above) =
-                ((ring - 1) * (STEPS_AROUND + 1) + step, ring * (STEPS_AROUND + 1) + step);
-            mesh.indices.push([above, below + 1, below]);
-            mesh.indices.push([above, above + 1, below + 1]);
-        }
-    }
-    mesh
-}
 
-/// Points along the profile, closer where it bends.
-fn rings(segments: &[Segment]) -> Vec<Ring> {
-    let size = segments.iter().flatten().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    let count = segments.len() as f64;
-    let mut rings = Vec::new();
-    for (index, segment) in segments.iter().enumerate() {
-        // The chord of a step h lies at most h²/8·max|p''| from the curve, and |p''| ≤ 6 times the
-        // largest second difference of the control points (Farin, Curves and Surfaces for CAGD, 4.5).
-        let [a, b, c, d] = *segment;
-        let bend = (a - b * 2.0 + c).length().max((b - c * 2.0 + d).length());
-        let steps = (0.75 * bend / (TOLERANCE * size)).sqrt().ceil().clamp(1.0, MAX_STEPS_ALONG);
-        let last = index + 1 == segments.len();
-        for step in 0..steps as usize + usize::from(last) {
-            let s = step as f64 / steps;
-            let v = (index as f64 + s) / count;
-            rings.push(Ring {
-                point: profile::point(segment, s),
-                tangent: profile::tangent(segment, s),
-                v,
+    /// Makes the surface ready to be a light.
+    pub fn prepare_sampling(&mut self) {
+        self.sampling = area::measure(self).0;
+    }
+
+    /// The distance at which the ray first meets the surface, and the place there for
+    /// [`Self::surface_point`].
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<(f32, Vec2)> {
+        let line = Line::new(&self.to_local, ray, self.radius_squared)?;
+        let mut nearest = None;
+        let mut t_max = ray.t_max;
+        let _: ControlFlow<()> =
+            self.tree.each_piece(&line, self.range(&line, ray), |piece, far| {
+                self.pieces[piece].each_crossing(&line, &mut |root| {
+                    let t = line.ray_parameter(root.t) as f32;
+                    if t > 0.0 && t < t_max {
+                        t_max = t;
+                        *far = root.t;
+                        nearest = Some((t, Vec2::new(root.s as f32, piece as f32)));
+                    }
+                });
+                ControlFlow::Continue(())
+            });
+        nearest
+    }
+
+    /// Whether the ray meets the surface at all.
+    #[inline]
+    #[must_use]
+    pub fn occludes(&self, ray: &Ray) -> bool {
+        let Some(line) = Line::new(&self.to_local, ray, self.radius_squared) else { return false };
+        self.tree
+            .each_piece(&line, self.range(&line, ray), |piece, _| {
+                let mut is_met = false;
+                self.pieces[piece].each_crossing(&line, &mut |root| {
+                    let t = line.ray_parameter(root.t) as f32;
+                    is_met |= t > 0.0 && t < ray.t_max;
+                });
+                if is_met { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })
+            .is_break()
+    }
+
+    /// Where the line of the ray passes through the surface, also behind the origin, in order of t.
+    /// Where it only touches the surface it does not pass through it.
+    #[must_use]
+    pub fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
+        let mut crossings = Vec::new();
+        if let Some(line) = Line::new(&self.to_local, ray, self.radius_squared) {
+            let reach = self.reach(&line);
+            let _: ControlFlow<()> = self.tree.each_piece(&line, [-reach, reach], |piece, _| {
+                self.pieces[piece].each_crossing(&line, &mut |Root { s, t }| {
+                    let t = line.ray_parameter(t);
+                    crossings.push(Crossing { t, v: self.v(piece, s) });
+                });
+                ControlFlow::Continue(())
             });
         }
+        crossings.sort_by(|a, b| a.t.total_cmp(&b.t));
+        crossings
     }
-    rings
+
+    /// How far from the middle of the line its end in the surface's sphere is, at most.
+    fn reach(&self, line: &Line) -> f64 {
+        (self.radius_squared - line.origin.length_squared()).max(0.0).sqrt()
+    }
+
+    /// The part of the line that the ray covers.
+    #[inline]
+    fn range(&self, line: &Line, ray: &Ray) -> [f64; 2] {
+        let reach = self.reach(line);
+        let end = line.local_parameter(f64::from(ray.t_max));
+        [line.start.max(-reach), end.min(reach)]
+    }
+
+    /// The surface where `ray` meets it at distance `t`, and at the place that
+    /// [`Self::intersect`] has given.
+    #[inline(never)]
+    #[must_use]
+    pub fn surface_point(&self, ray: &Ray, t: f32, place: Vec2) -> SurfacePoint {
+        let (piece, s) = (place.y as usize, f64::from(place.x));
+        let point = profile::point(&self.pieces[piece].control(), s);
+        let t = f64::from(t);
+        let at = match Line::new(&self.to_local, ray, f64::INFINITY) {
+            Some(line) => {
+                // The digits of t that single precision has cut off, except where a grazing ray
+                // makes the recomputed one the worse of the two.
+                let slack = t * f64::from(f32::EPSILON);
+                let refined = line.ray_parameter(line.parameter(point.x, point.y));
+                line.at(line.local_parameter(refined.clamp(t - slack, t + slack)))
+            }
+            None => DVec3::X,
+        };
+        let side = if point.x < 0.0 { -1.0 } else { 1.0 };
+        self.at(piece, s, (at.z * side).atan2(at.x * side))
+    }
+
+    /// The surface at a parameter of a piece and an azimuth.
+    fn at(&self, piece: usize, s: f64, azimuth: f64) -> SurfacePoint {
+        let control = self.pieces[piece].control();
+        let (place, tangent) = (profile::point(&control, s), profile::tangent(&control, s));
+        let (sin, cos) = azimuth.sin_cos();
+        let turned = |p: DVec2| DVec3::new(p.x * cos, p.y, p.x * sin);
+        let point = self.to_world.transform_point3(turned(place)).as_vec3();
+        let on_axis = place.x == 0.0;
+        // The left of the profile; on the axis, the axis.
+        let left = if on_axis {
+            DVec3::Y.copysign(DVec3::splat(tangent.x))
+        } else {
+            turned(DVec2::new(-tangent.y, tangent.x))
+        };
+        let normal = (self.normal_to_world * left).normalize_or(DVec3::Y).as_vec3().normalize();
+        let (dp_du, dp_dv) = if on_axis {
+            coordinate_system(normal)
+        } else {
+            let [around, along] = self.tangents(piece, s, azimuth);
+            (around.as_vec3(), along.as_vec3())
+        };
+        let turns = azimuth / TAU;
+        let u = if turns < 0.0 { turns + 1.0 } else { turns };
+        SurfacePoint {
+            point,
+            // The place is exact in double precision; only its last rounding counts.
+            error: point.abs() * rounding_error_bound(2)
+                + Vec3::splat((self.extent * 1e-12) as f32),
+            normal,
+            shading_normal: normal,
+            uv: Vec2::new(u as f32, self.v(piece, s) as f32),
+            dp_du,
+            dp_dv,
+        }
+    }
+
+    /// The derivatives of the point by u and v.
+    fn tangents(&self, piece: usize, s: f64, azimuth: f64) -> [DVec3; 2] {
+        let control = self.pieces[piece].control();
+        let [start, end] = self.pieces[piece].range;
+        let per_v = self.segment_count as f64 / (end - start);
+        let (x, along) = (profile::point(&control, s).x, profile::derivative(&control, s) * per_v);
+        let (sin, cos) = azimuth.sin_cos();
+        let around = DVec3::new(-x * sin, 0.0, x * cos) * TAU;
+        [around, DVec3::new(along.x * cos, along.y, along.x * sin)]
+            .map(|v| self.to_world.transform_vector3(v))
+    }
+
+    /// The area per u and v.
+    fn jacobian(&self, piece: usize, s: f64, azimuth: f64) -> f32 {
+        let [around, along] = self.tangents(piece, s, azimuth);
+        around.cross(along).length() as f32
+    }
+
+    /// The coordinate along the profile.
+    fn v(&self, piece: usize, s: f64) -> f64 {
+        let Piece { segment, range: [start, end], .. } = self.pieces[piece];
+        (f64::from(segment) + start + (end - start) * s) / self.segment_count as f64
+    }
+
+    /// The piece's parameter of a coordinate along the profile.
+    fn piece_parameter(&self, piece: usize, v: f64) -> f64 {
+        let Piece { segment, range: [start, end], .. } = self.pieces[piece];
+        let s = v * self.segment_count as f64 - f64::from(segment);
+        ((s - start) / (end - start)).clamp(0.0, 1.0)
+    }
+
+    /// The box around the surface, rounded outwards.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
+    /// The surface's area.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// A point almost uniform in area, with its true density; `None` where the surface has no area or
+    /// was not made ready.
+    #[must_use]
+    pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        Some(self.sampling.as_ref()?.sample(self, random))
+    }
+
+    /// The density per area with which [`Self::sample_area`] chooses the point with coordinate `v`
+    /// and these derivatives by u and v.
+    #[must_use]
+    pub fn pdf_area(&self, v: f32, dp_du: Vec3, dp_dv: Vec3) -> f32 {
+        self.sampling.as_ref().map_or(0.0, |table| table.pdf(v, dp_du, dp_dv))
+    }
+
+    /// Bytes of memory held.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.pieces.as_slice())
+            + self.tree.memory_bytes()
+            + self.sampling.as_ref().map_or(0, AreaTable::memory_bytes)
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_straight_profile_is_a_cylinder() {
-        let line = |y: f64| DVec2::new(2.0, y);
-        let mesh = tessellate(&[[line(0.0), line(1.0), line(2.0), line(3.0)]]);
-        let area = mesh.surface_area();
-        assert!((area / (TAU * 2.0 * 3.0) - 1.0).abs() < 1e-4, "{area}");
-        for (position, normal) in mesh.positions.iter().zip(&mesh.normals) {
-            // Upwards along the profile, the left is towards the axis.
-            let inwards = -Vec3::new(position.x, 0.0, position.z) / 2.0;
-            assert!((*normal - inwards).length() < 1e-6);
-        }
+/// The box around the turned control points.
+fn bounds<'a>(to_world: &DAffine3, points: impl Iterator<Item = &'a DVec2>) -> Bounds3 {
+    let axes = to_world.matrix3;
+    // A circle of radius vectors a and b reaches √(aᵢ² + bᵢ²) along each axis i.
+    let reach = (axes.x_axis * axes.x_axis + axes.z_axis * axes.z_axis).map(f64::sqrt);
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    for point in points {
+        let center = to_world.translation + axes.y_axis * point.y;
+        low = low.min(center - reach * point.x.abs());
+        high = high.max(center + reach * point.x.abs());
     }
-
-    #[test]
-    fn facets_face_where_the_normals_point() {
-        let p = |x: f64, y: f64| DVec2::new(x, y);
-        let mesh = tessellate(&[[p(-1.0, 0.0), p(-2.0, 1.0), p(-0.5, 2.0), p(-1.0, 3.0)]]);
-        for triangle in &mesh.indices {
-            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-            let normal = (b - a).cross(c - a);
-            assert!(normal.dot(mesh.normals[triangle[0] as usize]) > 0.0, "{triangle:?}");
-        }
-    }
+    Bounds3::new(low.as_vec3().map(f32::next_down), high.as_vec3().map(f32::next_up))
 }
