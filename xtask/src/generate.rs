@@ -18,6 +18,11 @@ pub(crate) fn gallery(arguments: &[String]) -> bool {
     run("gallery", arguments)
 }
 
+/// The triangles of a scene, as a file.
+pub(crate) fn triangles(scene: &str, output: &str) -> bool {
+    run("triangles", &[scene.to_owned(), output.to_owned()])
+}
+
 fn run(name: &str, arguments: &[String]) -> bool {
     let start = ["run", "--quiet", "--release", "--package", "xtask-generate", "--", name];
     let status = cargo().args(start).args(arguments).status();

@@ -7,6 +7,7 @@ use crate::ids::{EmitterId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use crate::medium::{Boundary, Medium};
 use crate::sensor::Sensor;
+use crate::shape::mesh::Mesh;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
 use crate::texture::{Texture, Textures};
@@ -57,6 +58,8 @@ pub(crate) struct Parts {
 pub struct Scene {
     bvh: Bvh,
     shapes: Vec<Shape>,
+    /// How many shapes, from the first, stand in the scene rather than in groups.
+    top_level: usize,
     groups: Vec<Group>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
@@ -148,6 +151,7 @@ impl Scene {
         Some(Self {
             bvh,
             shapes: parts.shapes,
+            top_level,
             groups: parts.groups,
             materials: parts.materials,
             textures: parts.textures,
@@ -295,6 +299,14 @@ impl Scene {
     #[must_use]
     pub fn sensors(&self) -> &[SensorSetup] {
         &self.sensors
+    }
+
+    /// The triangle meshes that stand in the scene; those within groups are left out.
+    pub fn meshes(&self) -> impl Iterator<Item = &Mesh> {
+        self.shapes[..self.top_level].iter().filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => Some(mesh),
+            _ => None,
+        })
     }
 
     /// The box around everything.

@@ -1,5 +1,5 @@
 //! Makes the committed files that no hand writes: meshes and pictures of the scenes, the gallery,
-//! reference pages. `cargo xtask assets`, `gallery` and `docs` call it.
+//! reference pages; and what other commands need of a scene. `cargo xtask` calls it.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::disallowed_methods,
@@ -11,6 +11,7 @@ mod assets;
 mod docs;
 mod gallery;
 mod repository;
+mod triangles;
 
 use std::process::ExitCode;
 
@@ -26,6 +27,8 @@ enum Command {
     Docs(docs::Arguments),
     /// The pictures under gallery/
     Gallery(gallery::Arguments),
+    /// The triangles of a scene, for `bench rays`
+    Triangles(triangles::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -33,6 +36,7 @@ fn main() -> ExitCode {
         Command::Assets(arguments) => assets::run(&arguments),
         Command::Docs(arguments) => docs::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
+        Command::Triangles(arguments) => triangles::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,6 +1,8 @@
 //! `cargo xtask bench`: measurements beside a peer, in the same run on the same machine.
 
+mod embree;
 mod peer;
+mod rays;
 mod scenes;
 
 use std::path::{Path, PathBuf};
@@ -18,6 +20,8 @@ use scenes::{SCENES, Scene};
 enum Command {
     /// Samples per second of whole renders
     Render(Arguments),
+    /// Rays per second on a scene's triangles, on one thread
+    Rays(rays::Arguments),
 }
 
 /// Renders beside a peer.
@@ -50,8 +54,11 @@ enum Peer {
 /// Runs the benchmark that the arguments name.
 pub(crate) fn run(arguments: &[String]) -> bool {
     let name = std::iter::once("cargo xtask bench".to_owned());
-    let Command::Render(arguments) = Command::parse_from(name.chain(arguments.iter().cloned()));
-    match render(&arguments) {
+    let outcome = match Command::parse_from(name.chain(arguments.iter().cloned())) {
+        Command::Render(arguments) => render(&arguments),
+        Command::Rays(arguments) => rays::run(&arguments),
+    };
+    match outcome {
         Ok(()) => true,
         Err(problem) => {
             eprintln!("error: {problem}");

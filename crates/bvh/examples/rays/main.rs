@@ -1,93 +1,81 @@
-//! Rays per second on the triangles of a folder of OBJ files, beside Embree if its library is given:
+//! Rays per second on the triangles of a scene, beside Embree if its library is given:
 //!
 //! ```text
-//! cargo run --release -p etendue-bvh --example rays -- MODELS [LIBEMBREE4.SO [ROUNDS [PRESET [VARIANTS [KIND]]]]]
+//! rays TRIANGLES [--embree LIBEMBREE4.SO] [--rounds COUNT] [--preset NAME] [--kind NAME] [--json]
 //! ```
 //!
-//! Embree's library is in the wheel `embreex` of the Python package index, beside the `libtbb` that
-//! it needs (set `LD_LIBRARY_PATH` to their folder). All hierarchies trace the same rays in turns on one thread; the best
-//! round by the thread's processor time counts, and only the ratios mean something. The camera is
-//! that of the kitchen of Bitterli's rendering resources.
+//! `cargo xtask bench rays` makes the file of triangles, fetches the library, and calls this. All
+//! hierarchies trace the same rays in turns on one thread; the best round by the thread's processor
+//! time counts, and only the ratios mean something.
 #![allow(
     clippy::disallowed_macros,
     clippy::disallowed_methods,
     reason = "a program on the command line"
 )]
 
+mod clock;
 mod embree;
-mod obj;
+mod options;
+mod report;
+mod triangles;
 mod workload;
 
+use clock::{thread_seconds, timed};
 use etendue_bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, TriangleMeshView};
 use etendue_math::Ray;
-use obj::Mesh;
+use options::Options;
+use report::{Measured, Trace};
 use std::error::Error;
-use workload::{Kind, Workload};
+use triangles::Mesh;
+use workload::Workload;
 
 /// Something that traces rays and counts the hits.
 trait Tracer {
     fn name(&self) -> String;
+    fn bytes(&self) -> usize;
     fn count_closest(&self, rays: &[Ray]) -> usize;
     fn count_any(&self, rays: &[Ray]) -> usize;
 }
 
-struct Ours(&'static str, Bvh);
+struct Ours(Bvh);
 
 impl Tracer for Ours {
     fn name(&self) -> String {
-        format!("etendue {} {:?}", self.0, self.1.tier())
+        format!("etendue {:?}", self.0.tier()).to_lowercase()
+    }
+
+    fn bytes(&self) -> usize {
+        self.0.memory_bytes()
     }
 
     fn count_closest(&self, rays: &[Ray]) -> usize {
-        rays.iter().filter(|ray| self.1.intersect(ray, &NoPrimitives).is_some()).count()
+        rays.iter().filter(|ray| self.0.intersect(ray, &NoPrimitives).is_some()).count()
     }
 
     fn count_any(&self, rays: &[Ray]) -> usize {
-        rays.iter().filter(|ray| self.1.occluded(ray, &NoPrimitives)).count()
+        rays.iter().filter(|ray| self.0.occluded(ray, &NoPrimitives)).count()
     }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [models, ..] = arguments.as_slice() else {
-        return Err("usage: rays MODELS [LIBEMBREE4.SO [ROUNDS [PRESET [VARIANTS [KIND]]]]]".into());
-    };
-    let meshes = obj::read_folder(models)?;
-    let triangles: usize = meshes.iter().map(|mesh| mesh.indices.len()).sum();
-    println!("{} meshes, {triangles} triangles", meshes.len());
-    let preset = arguments.get(3).map_or("balanced", String::as_str);
-    let ours: Vec<Ours> =
-        presets(preset).into_iter().map(|preset| build(preset, &meshes)).collect();
-    let workload = Workload::new(&ours[0].1);
-    let mut tracers: Vec<Box<dyn Tracer>> = Vec::new();
-    if let Some(library) = arguments.get(1).filter(|library| library.as_str() != "-") {
-        let variants = arguments.get(4).map_or(Ok(3), |count| count.parse())?;
-        for variant in embree::VARIANTS.into_iter().take(variants) {
-            tracers.push(Box::new(embree::Scene::build(library, variant, &meshes)?));
-        }
+    let options = Options::parse(std::env::args().skip(1))?;
+    let (camera, meshes) = triangles::read(&options.triangles)?;
+    let (mut measured, tracers) = build_all(&options, &meshes)?;
+    let ours = Ours(build(&meshes, &options.preset));
+    let workload = Workload::new(&camera, &meshes, &ours.0);
+    let mut all: Vec<Box<dyn Tracer>> = vec![Box::new(ours)];
+    all.extend(tracers);
+    trace_all(&options, &workload, &all, &mut measured);
+    let triangle_count = meshes.iter().map(|mesh| mesh.indices.len()).sum();
+    if options.json {
+        println!("{}", report::json(triangle_count, &workload, &options.kinds, &measured));
+    } else {
+        report::print(triangle_count, &workload, &options.kinds, &measured);
     }
-    for ours in ours {
-        tracers.push(Box::new(ours));
-    }
-    let rounds = arguments.get(2).map_or(Ok(5), |rounds| rounds.parse())?;
-    let kinds: Vec<Kind> = match arguments.get(5) {
-        Some(name) => Kind::ALL.into_iter().filter(|kind| format!("{kind:?}") == *name).collect(),
-        None => Kind::ALL.to_vec(),
-    };
-    report(&tracers, &workload, &kinds, rounds);
     Ok(())
 }
 
-fn presets(name: &str) -> Vec<(&'static str, BuildOptions)> {
-    let all = [
-        ("fast", BuildOptions::FAST),
-        ("balanced", BuildOptions::BALANCED),
-        ("spatial", BuildOptions::SPATIAL),
-    ];
-    all.into_iter().filter(|(preset, _)| name == "all" || *preset == name).collect()
-}
-
-fn build((name, options): (&'static str, BuildOptions), meshes: &[Mesh]) -> Ours {
+fn build(meshes: &[Mesh], preset: &BuildOptions) -> Bvh {
     let views: Vec<GeometryView<'_>> = meshes
         .iter()
         .map(|mesh| {
@@ -95,54 +83,59 @@ fn build((name, options): (&'static str, BuildOptions), meshes: &[Mesh]) -> Ours
             GeometryView::Triangles(TriangleMeshView { positions, indices })
         })
         .collect();
-    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    let one_thread = (0..3)
-        .map(|_| {
-            single.install(|| {
-                let start = workload::thread_seconds();
-                Bvh::build(&views, &options).expect("the models are valid");
-                workload::thread_seconds() - start
-            })
-        })
-        .fold(f64::INFINITY, f64::min);
-    let start = std::time::Instant::now();
-    let bvh = Bvh::build(&views, &options).expect("the models are valid");
-    let wall = start.elapsed().as_secs_f64();
-    println!(
-        "etendue {name}: build {one_thread:.3} s on one thread (processor time), {wall:.3} s on {} (wall), {:.1} MB",
-        rayon::current_num_threads(),
-        bvh.memory_bytes() as f64 * 1e-6
-    );
-    println!("{:?}", bvh.statistics());
-    Ours(name, bvh)
+    Bvh::build(&views, preset).expect("a scene that has been built before is valid")
 }
 
-fn report(tracers: &[Box<dyn Tracer>], workload: &Workload, kinds: &[Kind], rounds: usize) {
-    let mut best = vec![[f64::INFINITY; Kind::ALL.len()]; tracers.len()];
-    let mut hits = vec![[0; Kind::ALL.len()]; tracers.len()];
-    for _ in 0..rounds {
-        for (column, kind) in kinds.iter().copied().enumerate() {
-            for (row, tracer) in tracers.iter().enumerate() {
+/// Times the builds in turns, on one thread and two, and keeps a scene of every peer; our own row
+/// comes first and has no tracer yet.
+#[expect(clippy::type_complexity, reason = "two lists with a row for each tracer")]
+fn build_all(
+    options: &Options,
+    meshes: &[Mesh],
+) -> Result<(Vec<Measured>, Vec<Box<dyn Tracer>>), Box<dyn Error>> {
+    let variants = if options.embree.is_some() { embree::VARIANTS.as_slice() } else { &[] };
+    let mut measured: Vec<Measured> = (0..=variants.len()).map(|_| Measured::default()).collect();
+    let mut tracers: Vec<Box<dyn Tracer>> = Vec::new();
+    for round in 0..options.rounds.min(5) {
+        for threads in [2, 1] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+            let (took, _) = pool.install(|| timed(|| build(meshes, &options.preset)));
+            measured[0].took_to_build(threads, took);
+            for (row, variant) in variants.iter().enumerate() {
+                let library = options.embree.as_deref().unwrap_or_default();
+                let (took, scene) = embree::Scene::build(library, variant, meshes, threads)?;
+                measured[row + 1].took_to_build(threads, took);
+                if round == 0 && threads == 1 {
+                    tracers.push(Box::new(scene));
+                }
+            }
+        }
+    }
+    Ok((measured, tracers))
+}
+
+/// Traces every kind of rays, in turns.
+fn trace_all(
+    options: &Options,
+    workload: &Workload,
+    tracers: &[Box<dyn Tracer>],
+    measured: &mut [Measured],
+) {
+    for (tracer, measured) in tracers.iter().zip(&mut *measured) {
+        (measured.name, measured.bytes) = (tracer.name(), tracer.bytes());
+    }
+    for _ in 0..options.rounds {
+        for &kind in &options.kinds {
+            for (tracer, measured) in tracers.iter().zip(&mut *measured) {
                 let rays = workload.rays(kind);
-                let start = workload::thread_seconds();
-                hits[row][column] = if kind.is_any_hit() {
+                let start = thread_seconds();
+                let hits = if kind.is_any_hit() {
                     tracer.count_any(rays)
                 } else {
                     tracer.count_closest(rays)
                 };
-                let seconds = workload::thread_seconds() - start;
-                best[row][column] = best[row][column].min(seconds);
+                measured.traced(Trace { kind, hits, seconds: thread_seconds() - start });
             }
         }
-    }
-    let header: Vec<String> = kinds.iter().map(|kind| format!("{kind:?}")).collect();
-    println!("{:32} {}", "Mrays/s (ratio to the first)", header.join("          "));
-    for (row, tracer) in tracers.iter().enumerate() {
-        print!("{:32}", tracer.name());
-        for (column, kind) in kinds.iter().copied().enumerate() {
-            let rate = workload.rays(kind).len() as f64 * 1e-6 / best[row][column];
-            print!(" {rate:6.2} ({:4.2})   ", best[0][column] / best[row][column]);
-        }
-        println!("\n{:32} {:?}", "", hits[row]);
     }
 }

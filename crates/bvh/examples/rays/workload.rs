@@ -1,8 +1,9 @@
-//! The five kinds of rays, and the clock.
+//! The five kinds of rays.
 
+use crate::triangles::{Camera, Mesh};
 use etendue_bvh::{Bvh, NoPrimitives};
 use etendue_math::{Ray, coordinate_system};
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 
 /// What rays are for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,16 @@ impl Kind {
     pub(crate) const ALL: [Self; 5] =
         [Self::Primary, Self::Bounce, Self::Random, Self::Shadow, Self::Segments];
 
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Bounce => "bounce",
+            Self::Random => "random",
+            Self::Shadow => "shadow",
+            Self::Segments => "segments",
+        }
+    }
+
     /// Whether any hit will do.
     pub(crate) fn is_any_hit(self) -> bool {
         matches!(self, Self::Shadow | Self::Segments)
@@ -37,19 +48,22 @@ const HEIGHT: usize = 1080;
 const RANDOM: usize = 2_000_000;
 
 impl Workload {
-    /// The rays through the scene of `bvh`, which finds the primary hits.
-    pub(crate) fn new(bvh: &Bvh) -> Self {
-        let primary = primary_rays();
+    /// The rays through a scene; `bvh` finds the primary hits.
+    pub(crate) fn new(camera: &Camera, meshes: &[Mesh], bvh: &Bvh) -> Self {
+        let primary = primary_rays(camera);
         let bounds = bvh.bounds();
         let light = bounds.center() + Vec3::Y * bounds.extent().y * 0.3;
         let mut random = Random(7);
         let (mut bounce, mut shadow) = (Vec::new(), Vec::new());
         for ray in &primary {
             let Some(hit) = bvh.intersect(ray, &NoPrimitives) else { continue };
-            // The surface's side that faces the camera; which normal exactly does not matter to
-            // the work, so the direction towards the camera stands in for it.
-            let normal = -ray.direction.normalize();
-            let origin = ray.at(hit.t) + normal * 1e-3;
+            let mesh = &meshes[hit.geometry as usize];
+            let [a, b, c] =
+                mesh.indices[hit.primitive as usize].map(|index| mesh.positions[index as usize]);
+            let normal = (b - a).cross(c - a).normalize_or(Vec3::Z);
+            let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+            // Far enough that neither side's rounding counts.
+            let origin = ray.at(hit.t) + normal * (1e-4 * bounds.extent().max_element());
             bounce.push(Ray::new(origin, random.cosine(normal)));
             shadow.push(Ray::segment(origin, light - origin, 1.0));
         }
@@ -67,21 +81,13 @@ impl Workload {
     }
 }
 
-fn primary_rays() -> Vec<Ray> {
-    let to_world = Mat4::from_cols_array(&[
-        -0.89874, -0.0182716, -0.4381, 1.211, 0.0, 0.999131, -0.0416703, 1.80475, 0.438481,
-        -0.0374507, -0.89796, 3.85239, 0.0, 0.0, 0.0, 1.0,
-    ])
-    .transpose();
-    let half_width = 30_f32.to_radians().tan();
-    let step = 2.0 * half_width / WIDTH as f32;
+fn primary_rays(camera: &Camera) -> Vec<Ray> {
     let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
     pixels
         .map(|(x, y)| {
-            let right = half_width - (x as f32 + 0.5) * step;
-            let up = (HEIGHT as f32 * 0.5 - (y as f32 + 0.5)) * step;
-            let direction = to_world.transform_vector3(Vec3::new(right, up, 1.0)).normalize();
-            Ray::new(to_world.transform_point3(Vec3::ZERO), direction)
+            let [x, y] = [(x as f32 + 0.5) / WIDTH as f32, (y as f32 + 0.5) / HEIGHT as f32];
+            let [origin, direction] = camera.ray(x, y);
+            Ray::new(origin, direction)
         })
         .collect()
 }
@@ -114,21 +120,4 @@ impl Random {
         let up = (1.0 - radius * radius).max(0.0).sqrt();
         (s * angle.cos() + t * angle.sin()) * radius + normal * up
     }
-}
-
-/// The processor time of this thread.
-pub(crate) fn thread_seconds() -> f64 {
-    #[repr(C)]
-    struct Time {
-        seconds: i64,
-        nanoseconds: i64,
-    }
-    unsafe extern "C" {
-        fn clock_gettime(clock: i32, time: *mut Time) -> i32;
-    }
-    const THREAD_CPU_TIME: i32 = 3;
-    let mut time = Time { seconds: 0, nanoseconds: 0 };
-    // SAFETY: the C library of 64-bit Linux has this function, and `time` is a timespec there.
-    unsafe { clock_gettime(THREAD_CPU_TIME, &mut time) };
-    time.seconds as f64 + time.nanoseconds as f64 * 1e-9
 }

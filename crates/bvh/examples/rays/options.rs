@@ -1,0 +1,60 @@
+//! The command line.
+
+use crate::workload::Kind;
+use etendue_bvh::BuildOptions;
+use std::error::Error;
+
+/// What was asked for.
+pub(crate) struct Options {
+    pub(crate) triangles: String,
+    pub(crate) embree: Option<String>,
+    pub(crate) rounds: usize,
+    pub(crate) preset: BuildOptions,
+    pub(crate) kinds: Vec<Kind>,
+    pub(crate) json: bool,
+}
+
+impl Options {
+    /// Reads the arguments after the program's name.
+    pub(crate) fn parse(
+        mut arguments: impl Iterator<Item = String>,
+    ) -> Result<Self, Box<dyn Error>> {
+        let mut options = Self {
+            triangles: String::new(),
+            embree: None,
+            rounds: 8,
+            preset: BuildOptions::default(),
+            kinds: Kind::ALL.to_vec(),
+            json: false,
+        };
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
+            match argument.as_str() {
+                "--embree" => options.embree = Some(value()?),
+                "--rounds" => options.rounds = value()?.parse()?,
+                "--preset" => options.preset = preset(&value()?)?,
+                "--kind" => {
+                    let name = value()?;
+                    options.kinds.retain(|kind| kind.name() == name);
+                }
+                "--json" => options.json = true,
+                path => options.triangles = path.to_owned(),
+            }
+        }
+        if options.triangles.is_empty() || options.kinds.is_empty() || options.rounds == 0 {
+            return Err("usage: rays TRIANGLES [--embree LIBRARY] [--rounds COUNT] \
+                        [--preset NAME] [--kind NAME] [--json]"
+                .into());
+        }
+        Ok(options)
+    }
+}
+
+fn preset(name: &str) -> Result<BuildOptions, String> {
+    match name {
+        "fast" => Ok(BuildOptions::FAST),
+        "balanced" => Ok(BuildOptions::BALANCED),
+        "spatial" => Ok(BuildOptions::SPATIAL),
+        _ => Err(format!("there is no preset `{name}`; there are fast, balanced, spatial")),
+    }
+}
