@@ -97,10 +97,9 @@ impl Way<'_> {
         let medium = scene.medium(id);
         match &medium.density {
             Density::Homogeneous(density) => {
-                let wi = -ray.direction.normalize();
-                let area = medium.phase.projected_area(&Site { point: ray.origin, wi });
-                let length = ray.t_max * ray.direction.length();
-                let passed = transmittance(density.extinction() * area, length);
+                let site = Site { point: ray.origin, wi: -ray.direction };
+                let area = medium.phase.projected_area(&site);
+                let passed = transmittance(density.extinction() * area, ray.t_max);
                 self.connection.transmittance *= passed;
                 self.connection.led *= passed;
                 (!self.connection.transmittance.is_black()).then_some(())
@@ -113,7 +112,7 @@ impl Way<'_> {
     /// "Residual ratio tracking for estimating attenuation in participating media", *ACM
     /// Transactions on Graphics* 33(6), 2014).
     fn track(&mut self, medium: &Medium, density: &Heterogeneous, ray: &Ray) -> Option<()> {
-        let wi = -ray.direction.normalize();
+        let wi = -ray.direction;
         let mut tracker = density.track(ray);
         while let Some(collision) = tracker.advance(self.traveller.optical_depth()) {
             let found = medium.coefficients(&Site { point: ray.at(collision.t), wi });

@@ -84,7 +84,7 @@ pub struct DirectionSample {
 const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
 
 impl DirectionSample {
-    /// The ray that must be free for the light to arrive at a point in free space.
+    /// What is left of the way to the light from a point on it; the ray's direction is unit.
     #[inline]
     #[must_use]
     pub fn shadow_ray_from(&self, origin: Vec3) -> Ray {
@@ -92,7 +92,13 @@ impl DirectionSample {
             Target::Afar => Ray::new(origin, self.direction),
             Target::Point { point, error, normal } => {
                 let target = offset_ray_origin(point, error, normal, -self.direction);
-                Ray::segment(origin, target - origin, SHADOW_RAY_LENGTH)
+                let path = target - origin;
+                let length = path.length();
+                if path.dot(self.direction) <= 0.0 {
+                    // The light has been passed.
+                    return Ray::segment(origin, self.direction, 0.0);
+                }
+                Ray::segment(origin, path / length, length * SHADOW_RAY_LENGTH)
             }
         }
     }
