@@ -37,7 +37,7 @@ pub(crate) const PARAMETERS: [ParameterManual; 3] = [
         name: "rr_depth",
         kind: "integer",
         default: "5",
-        meaning: "From this depth on, paths end by Russian roulette.",
+        meaning: "Beyond this depth, paths end by Russian roulette.",
     },
     ParameterManual {
         name: "hide_emitters",
@@ -52,7 +52,7 @@ pub(crate) const PARAMETERS: [ParameterManual; 3] = [
 pub struct VolumePath {
     /// The longest path, in edges.
     max_depth: u32,
-    /// From this depth on, paths end by Russian roulette.
+    /// Beyond this depth, paths end by Russian roulette.
     rr_depth: u32,
     /// Whether the camera passes through emitters.
     hide_emitters: bool,
@@ -319,9 +319,10 @@ impl VolumePath {
         path.radiance += contribution * transmittance * (weight / light.pdf);
     }
 
-    /// Russian roulette: paths that carry little end early, and the survivors stand for them.
+    /// Russian roulette: paths that carry little end early, and the survivors stand for them. As in
+    /// Mitsuba, it begins one edge later than that of `path`.
     fn survives(&self, path: &mut State, random: f32) -> bool {
-        if path.depth < self.rr_depth {
+        if path.depth <= self.rr_depth {
             return true;
         }
         let throughput = &mut path.weights.throughput;
