@@ -25,7 +25,8 @@ while kill -0 "$child" 2>/dev/null; do
     wait "$child"
     code=$?
 done
+# Where Slurm itself requeues the task, it has done so already, and says no.
 if [ "$code" -eq 143 ]; then
-    scontrol requeue "${SLURM_ARRAY_JOB_ID}_$part"
+    scontrol requeue "${SLURM_ARRAY_JOB_ID}_$part" || true
 fi
 exit "$code"

@@ -18,6 +18,7 @@ const SCENE: &str = "scenes/cornell-box/scene.xml";
 /// Samples per pixel: some seconds for every task.
 const SAMPLES: &str = "192";
 const PARTS: &str = "4";
+const SIZE: &str = "256x256";
 
 /// Nothing here takes as long on a machine that is not stuck.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -77,7 +78,7 @@ fn prove() -> Result<(), String> {
     let whole = folder.join("whole.pfm");
     let mut render = command();
     render.arg("render").arg(root().join(SCENE)).args(["--spp", SAMPLES, "--quiet"]);
-    output(render.arg("--resume=never").arg("--output").arg(&whole))?;
+    output(render.args(["--size", SIZE]).arg("--resume=never").arg("--output").arg(&whole))?;
     let log = fs::read_to_string(folder.join("merged.pfm.parts/2.log")).map_err(text)?;
     if !log.contains("going on with") {
         return Err(format!("the killed task has not gone on from its checkpoint:\n{log}"));
@@ -155,7 +156,7 @@ impl Cluster {
         let script = root().join("contrib/slurm/submit.sh");
         let mut submit = self.command("sh", &[]);
         submit.arg(script).arg(root().join(SCENE)).arg(picture).args([SAMPLES, PARTS]);
-        submit.args(["--checkpoint-every", "200ms"]);
+        submit.args(["--size", SIZE, "--checkpoint-every", "200ms"]);
         let etendue = command();
         let id = output(submit.env("ETENDUE", etendue.get_program()))?;
         Ok(id.trim().to_owned())
@@ -167,12 +168,16 @@ impl Cluster {
         let jobs = self.output("squeue", &["-h", "-r", "-o", "%F_%K", "-n", "etendue"])?;
         let task = jobs.lines().find(|line| line.ends_with("_2"));
         let task = task.ok_or("the second task has ended too early")?.to_owned();
+        // A pass over the picture takes this long: there is more to lose then than a first one.
+        sleep(Duration::from_secs(2));
         self.output("scontrol", &["requeue", &task])?;
-        // Slurm would let two minutes pass.
         wait_until("a task that is queued again", || {
-            let begin = format!("JobId={task}");
-            self.output("scontrol", &["update", &begin, "StartTime=now"]).is_ok()
-        })
+            let state = self.output("squeue", &["-h", "-r", "-o", "%F_%K %t %r"]);
+            state.is_ok_and(|state| state.contains(&format!("{task} PD BeginTime")))
+        })?;
+        // Slurm would let two minutes pass.
+        self.output("scontrol", &["update", &format!("JobId={task}"), "StartTime=now"])?;
+        Ok(())
     }
 
     /// Waits for the end of a job, which must be a good one.
@@ -189,14 +194,18 @@ impl Cluster {
 }
 
 impl Drop for Cluster {
-    /// The worker first, which ends its jobs with the controller still there.
+    /// Asks all to end, the worker first, and waits a little before it insists.
     fn drop(&mut self) {
-        for daemon in self.daemons.iter_mut().rev() {
-            let id = daemon.id().to_string();
-            let asked = Command::new("kill").args(["-TERM", &id]).status();
-            if asked.is_err() {
-                let _ = daemon.kill();
+        for daemon in self.daemons.iter().rev() {
+            let _ = Command::new("kill").args(["-TERM", &daemon.id().to_string()]).status();
+        }
+        let started = Instant::now();
+        for daemon in &mut self.daemons {
+            let has_ended = |daemon: &mut Child| daemon.try_wait().is_ok_and(|end| end.is_some());
+            while !has_ended(daemon) && started.elapsed() < Duration::from_secs(10) {
+                sleep(Duration::from_millis(50));
             }
+            let _ = daemon.kill();
             let _ = daemon.wait();
         }
     }
