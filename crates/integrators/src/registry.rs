@@ -4,7 +4,9 @@ use crate::{
     Aov, Depth, Direct, Integrator, Moment, ParticleTracer, Path, VolumePath, aov, depth, direct,
     moment, path, ptracer, volpath, volpathmis,
 };
-use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters};
+use etendue_document::{
+    Child, Class, Diagnostic, Diagnostics, Document, Fault, NodeId, Parameters, Span,
+};
 use etendue_render::Manual;
 use etendue_render::registry::report_unknown;
 
@@ -141,11 +143,30 @@ pub fn build_integrator(
         return None;
     };
     let integrator = (plugin.build)(&Build { parameters: &parameters, options, nesting: 0 });
+    warn_of_media(document, name, parameters.span(), diagnostics);
     // Parameters of the scene's own integrator may mean nothing to another one.
     if of_scene.is_some() && options.name.is_none() {
         parameters.finish();
     }
     if diagnostics.has_errors() { None } else { integrator }
+}
+
+/// Says so where surfaces hold media, and the integrator renders surfaces alone.
+fn warn_of_media(document: &Document, name: &str, place: Span, diagnostics: &Diagnostics) {
+    if !["path", "direct", "ptracer"].contains(&name) {
+        return;
+    }
+    let is_medium = |child: &Child| document.node(child.node).class == Class::Medium;
+    let shapes = document.nodes.iter().filter(|node| node.class == Class::Shape);
+    let first = shapes.flat_map(|shape| &shape.children).find(|child| is_medium(child));
+    if let Some(medium) = first {
+        let message = format!("`{name}` renders surfaces and leaves media out");
+        diagnostics.push(
+            Diagnostic::warning(Fault::Approximation, place, message)
+                .related(medium.span, "a medium is here")
+                .help("`volpath` renders media"),
+        );
+    }
 }
 
 /// The first integrator of the scene; that there is one only has been checked with the scene.

@@ -221,3 +221,21 @@ fn a_ray_may_start_inside() {
     }
     assert_close("inside", &found, [0.3, 1.0, 2.5].map(|sigma: f64| (-sigma).exp()));
 }
+
+/// Integrators of surfaces say that they leave media out; the others have nothing to say.
+#[test]
+fn what_leaves_media_out_says_so() {
+    let text = ball(&format!("{HOMOGENEOUS}<phase type=\"hg\"/>"), "null");
+    for (name, count) in [("path", 1), ("direct", 1), ("volpath", 0), ("volpathmis", 0), ("aov", 0)]
+    {
+        let diagnostics = Diagnostics::new();
+        let text = format!(r#"<scene version="3.0.0"><integrator type="{name}"/>{text}</scene>"#);
+        let resources = MemoryResources::default();
+        let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+        let options = IntegratorOptions::default();
+        let _ = build_integrator(&document.expect("a document"), &options, &diagnostics);
+        let findings = diagnostics.sorted();
+        assert_eq!(findings.len(), count, "{name}: {findings:?}");
+        assert!(findings.iter().all(|found| found.message.contains("leaves media out")));
+    }
+}

@@ -157,6 +157,9 @@ pub static TEXTURES: &[Plugin<BuildTexture>] = &[
     plugin("scale", &texture::scale::MANUAL, |b, p| {
         texture::scale::build(b, p).map(Texture::Scale)
     }),
+    plugin("volume", &texture::volume::MANUAL, |b, p| {
+        texture::volume::build(b, p).map(Texture::Volume)
+    }),
 ];
 
 /// The emitters that stand alone.

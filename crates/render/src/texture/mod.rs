@@ -14,6 +14,7 @@ pub mod rawconstant;
 pub mod scale;
 mod texels;
 mod uv;
+pub mod volume;
 
 use crate::ids::TextureId;
 use crate::interaction::SurfaceInteraction;
@@ -35,6 +36,8 @@ pub enum Texture {
     Grid(gridtexture::GridTexture),
     /// Another texture, times a colour.
     Scale(scale::Scale),
+    /// A volume, seen where a surface cuts it.
+    Volume(volume::VolumeTexture),
 }
 
 impl Texture {
@@ -45,6 +48,7 @@ impl Texture {
             Self::Constant(_) | Self::Checkerboard(_) | Self::Grid(_) | Self::Scale(_) => 0,
             Self::Bitmap(texture) => texture.memory_bytes(),
             Self::MeshAttribute(texture) => texture.memory_bytes(),
+            Self::Volume(texture) => texture.memory_bytes(),
         }
     }
 }
@@ -64,6 +68,7 @@ impl Textures<'_> {
             Texture::MeshAttribute(texture) => texture.eval(surface),
             Texture::Grid(texture) => texture.eval(*self, surface),
             Texture::Scale(texture) => texture.eval(*self, surface),
+            Texture::Volume(texture) => texture.eval(surface.point),
         }
     }
 
@@ -77,6 +82,7 @@ impl Textures<'_> {
             Texture::MeshAttribute(texture) => texture.eval(surface).luminance(),
             Texture::Grid(texture) => texture.eval(*self, surface).luminance(),
             Texture::Scale(texture) => texture.eval(*self, surface).luminance(),
+            Texture::Volume(texture) => texture.eval_scalar(surface.point),
         }
     }
 
@@ -88,7 +94,8 @@ impl Textures<'_> {
             Texture::Constant(_)
             | Texture::Checkerboard(_)
             | Texture::MeshAttribute(_)
-            | Texture::Grid(_) => Vec2::ZERO,
+            | Texture::Grid(_)
+            | Texture::Volume(_) => Vec2::ZERO,
             Texture::Scale(texture) => texture.gradient(*self, surface),
             Texture::Bitmap(texture) => texture.gradient(surface.uv),
         }
@@ -104,6 +111,7 @@ impl Textures<'_> {
             Texture::MeshAttribute(texture) => texture.mean(),
             Texture::Grid(texture) => texture.mean(*self),
             Texture::Scale(texture) => texture.mean(*self),
+            Texture::Volume(texture) => texture.mean(),
         }
     }
 }

@@ -284,6 +284,19 @@ impl GridVolume {
         self.range
     }
 
+    /// The mean of the values, as a colour.
+    #[must_use]
+    pub fn mean(&self) -> Spectrum {
+        let mut sums = [0.0_f64; 3];
+        for cell in self.values.chunks_exact(self.channels) {
+            for (channel, sum) in sums.iter_mut().enumerate() {
+                *sum += f64::from(cell[channel.min(self.channels - 1)]);
+            }
+        }
+        let count = (self.values.len() / self.channels) as f64;
+        Spectrum::from_rgb(sums.map(|sum| (sum / count) as f32))
+    }
+
     /// The values of a cell, whose coordinates must lie within [`Self::size`].
     ///
     /// # Panics
@@ -359,6 +372,13 @@ mod tests {
             assert!((volume.eval_scalar(point) - expected).abs() < 1e-4, "{point}");
             assert!((volume.eval(point)[1] - expected).abs() < 1e-4, "{point}");
         }
+    }
+
+    #[test]
+    fn the_mean_is_that_of_all_cells() {
+        let volume = grid([4, 3, 2], FilterMode::Trilinear, WrapMode::Clamp);
+        assert_eq!(volume.mean(), Spectrum::splat(1.5 + 10.0 + 50.0));
+        assert_eq!(volume.range(), [0.0, 123.0]);
     }
 
     #[test]

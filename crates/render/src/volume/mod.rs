@@ -83,6 +83,15 @@ impl Volume {
         }
     }
 
+    /// The mean of the values, as a colour.
+    #[must_use]
+    pub fn mean(&self) -> Spectrum {
+        match self {
+            Self::Constant(volume) => volume.color(),
+            Self::Grid(volume) => volume.mean(),
+        }
+    }
+
     /// How many values a cell has; a constant counts as a colour.
     #[must_use]
     pub fn channels(&self) -> usize {

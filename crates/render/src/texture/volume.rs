@@ -1,0 +1,65 @@
+//! `volume`: a volume, seen where a surface cuts it.
+
+use crate::builder::Builder;
+use crate::manual::{Manual, parameter};
+use crate::volume::Volume;
+use etendue_document::Parameters;
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::Vec3;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A volume as a texture: a surface has the values of the points in the world that it \
+              passes, so that it needs no texture coordinates.",
+    parameters: &[parameter(
+        "volume",
+        "float, spectrum or volume",
+        "0.75",
+        "The volume; its `to_world` places it beside the surface.",
+    )],
+    sample: r#"<texture type="volume">
+    <volume name="volume" type="gridvolume"><string name="filename" value="smoke.vol"/></volume>
+</texture>"#,
+};
+
+/// A volume, seen where a surface cuts it.
+#[derive(Clone, Debug)]
+pub struct VolumeTexture {
+    volume: Volume,
+    mean: Spectrum,
+}
+
+/// Reads the texture.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<VolumeTexture> {
+    let volume = builder.volume_or_color(parameters, "volume", 0.75, SpectrumUse::Unbounded)?;
+    Some(VolumeTexture { mean: volume.mean(), volume })
+}
+
+impl VolumeTexture {
+    /// The colour at a point of the world.
+    #[inline]
+    #[must_use]
+    pub fn eval(&self, point: Vec3) -> Spectrum {
+        self.volume.eval(point)
+    }
+
+    /// The scalar at a point of the world.
+    #[inline]
+    #[must_use]
+    pub fn eval_scalar(&self, point: Vec3) -> f32 {
+        self.volume.eval_scalar(point)
+    }
+
+    /// The mean of the volume's values.
+    #[must_use]
+    pub fn mean(&self) -> Spectrum {
+        self.mean
+    }
+
+    /// Bytes of memory that the volume takes.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        self.volume.memory_bytes()
+    }
+}
