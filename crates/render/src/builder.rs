@@ -17,6 +17,8 @@ use crate::phase::PhaseFunction;
 use crate::registry::{self, find};
 use crate::rfilter::ReconstructionFilter;
 use crate::scene::{Parts, Scene, SensorSetup};
+use crate::sensor::Sensor;
+use crate::shape::Geometry;
 use crate::texture::Texture;
 use crate::volume::Volume;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
@@ -50,8 +52,9 @@ pub fn build_scene(
     let mut builder = Builder::new(&assets, options);
     builder.textures_decoded = loaded.textures;
     let root = document.parameters(document.root, diagnostics);
-    let mut parts =
-        Parts { sensors: builder.sensors(&root), ..builder.shapes(&root, loaded.geometry) };
+    let mut parts = builder.shapes(&root, loaded.geometry);
+    let sensors = std::mem::take(&mut parts.sensors);
+    parts.sensors = builder.sensors(&root, sensors);
     builder.connect_attributes(&mut parts.shapes);
     let parts = Parts { emitters: builder.emitters(&root, parts.emitters), ..parts };
     builder.check_integrators(&root);
@@ -214,26 +217,46 @@ impl<'a> Builder<'a> {
         emitters
     }
 
-    fn sensors(&mut self, root: &Parameters<'_>) -> Vec<SensorSetup> {
+    /// The sensors of the scene, then those of its shapes.
+    fn sensors(&mut self, root: &Parameters<'_>, of_shapes: Vec<SensorSetup>) -> Vec<SensorSetup> {
         let children = root.children_of(Class::Sensor);
-        if children.is_empty() && !root.is_incomplete() {
+        if children.is_empty() && of_shapes.is_empty() && !root.is_incomplete() {
             let message = "the scene has no sensor: there is nothing to see it with";
             self.assets.diagnostics.warning(Fault::MissingParameter, root.span(), message);
         }
-        children.iter().filter_map(|child| self.sensor(child.node)).collect()
+        let mut sensors: Vec<SensorSetup> =
+            children.iter().filter_map(|child| self.sensor(child.node, None)).collect();
+        sensors.extend(of_shapes);
+        sensors
     }
 
-    fn sensor(&mut self, node: NodeId) -> Option<SensorSetup> {
+    /// A sensor of the scene, or of a shape.
+    fn sensor(&mut self, node: NodeId, shape: Option<&Geometry>) -> Option<SensorSetup> {
         let parameters = self.parameters(node);
         let film = self.film(&parameters);
         let sampler = crate::sampler::build_child(&parameters);
         let medium = self.medium_around(&parameters);
-        let build = find(registry::SENSORS, &parameters)?;
         // Mistakes of the sensor are found even where its film has some.
-        let sensor = build(self, &parameters, &film.clone().unwrap_or_default())?;
+        let some_film = film.clone().unwrap_or_default();
+        let sensor = match shape {
+            Some(shape) => {
+                find(registry::SHAPE_SENSORS, &parameters)?(&parameters, &some_film, shape)?
+            }
+            None => find(registry::SENSORS, &parameters)?(self, &parameters, &some_film)?,
+        };
         let id = parameters.id().map(str::to_owned);
         parameters.finish();
         Some(SensorSetup { id, sensor, film: film?, sampler: sampler?, medium })
+    }
+
+    /// A sensor that shares the film of another one; its own film and sampler do not count.
+    pub(crate) fn sensor_on(&mut self, node: NodeId, film: &FilmSpec) -> Option<Sensor> {
+        let parameters = self.parameters(node);
+        let _ = self.film(&parameters);
+        let _ = crate::sampler::build_child(&parameters);
+        let sensor = find(registry::SENSORS, &parameters)?(self, &parameters, film)?;
+        parameters.finish();
+        Some(sensor)
     }
 
     fn film(&mut self, sensor: &Parameters<'_>) -> Option<FilmSpec> {

@@ -45,6 +45,8 @@ pub type BuildEmitter = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Emitter>
 pub type BuildShapeEmitter = fn(&mut Builder<'_>, &Parameters<'_>, ShapeId) -> Emitter;
 /// Builds a sensor for a film.
 pub type BuildSensor = fn(&mut Builder<'_>, &Parameters<'_>, &FilmSpec) -> Option<Sensor>;
+/// Builds the sensor of a shape for a film.
+pub type BuildShapeSensor = fn(&Parameters<'_>, &FilmSpec, &Geometry) -> Option<Sensor>;
 /// Builds a film.
 pub type BuildFilm = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<FilmSpec>;
 
@@ -229,16 +231,32 @@ pub static VOLUMES: &[Plugin<BuildVolume>] = &[
 
 /// The sensors.
 pub static SENSORS: &[Plugin<BuildSensor>] = &[
+    plugin("batch", &sensor::batch::MANUAL, |b, p, f| {
+        sensor::batch::build(b, p, f).map(Sensor::Batch)
+    }),
+    plugin("distant", &sensor::distant::MANUAL, |b, p, f| {
+        sensor::distant::build(b, p, f).map(Box::new).map(Sensor::Distant)
+    }),
     plugin("orthographic", &sensor::orthographic::MANUAL, |b, p, f| {
         sensor::orthographic::build(b, p, f).map(Sensor::Orthographic)
     }),
     plugin("perspective", &sensor::perspective::MANUAL, |b, p, f| {
         sensor::perspective::build(b, p, f).map(Sensor::Perspective)
     }),
+    plugin("radiancemeter", &sensor::radiancemeter::MANUAL, |b, p, f| {
+        sensor::radiancemeter::build(b, p, f).map(Sensor::Radiancemeter)
+    }),
     plugin("thinlens", &sensor::thinlens::MANUAL, |b, p, f| {
         sensor::thinlens::build(b, p, f).map(Sensor::ThinLens)
     }),
 ];
+
+/// The sensors that are nested in a shape.
+pub static SHAPE_SENSORS: &[Plugin<BuildShapeSensor>] =
+    &[plugin("irradiancemeter", &sensor::irradiancemeter::MANUAL, |p, f, geometry| {
+        let meter = sensor::irradiancemeter::build(p, f, geometry);
+        meter.map(Box::new).map(Sensor::Irradiancemeter)
+    })];
 
 /// The films.
 pub static FILMS: &[Plugin<BuildFilm>] = &[
@@ -302,6 +320,7 @@ pub fn plugins() -> Vec<(Class, &'static str, &'static Manual)> {
     all.extend(pages(Class::Phase, PHASES));
     all.extend(pages(Class::Volume, VOLUMES));
     all.extend(pages(Class::Sensor, SENSORS));
+    all.extend(pages(Class::Sensor, SHAPE_SENSORS));
     all.extend(pages(Class::Film, FILMS));
     all.extend(pages(Class::ReconstructionFilter, rfilter::FILTERS));
     all.extend(pages(Class::Sampler, sampler::SAMPLERS));

@@ -148,6 +148,9 @@ impl Scene {
             boundaries.resize(parts.shapes.len(), None);
             boundaries[shape.index()] = Some(boundary);
         }
+        let mut sensors = parts.sensors;
+        let bounds = bvh.bounds();
+        sensors.iter_mut().for_each(|setup| setup.sensor.set_bounds(&bounds));
         Some(Self {
             bvh,
             shapes: parts.shapes,
@@ -159,7 +162,7 @@ impl Scene {
             environments,
             media: parts.media,
             boundaries,
-            sensors: parts.sensors,
+            sensors,
             hash: parts.hash,
         })
     }

@@ -53,6 +53,9 @@ impl<'a> Builder<'a> {
             EmitterId(parts.emitters.len() as u32 - 1)
         });
         parts.boundaries.extend(self.boundary(&parameters).map(|boundary| (id, boundary)));
+        for child in parameters.children_of(Class::Sensor) {
+            parts.sensors.extend(self.sensor(child.node, Some(&geometry)));
+        }
         parameters.finish();
         parts.shapes.push(Shape { geometry, material, emitter });
     }

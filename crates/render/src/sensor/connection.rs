@@ -28,6 +28,7 @@ impl Sensor {
             Self::Orthographic(sensor) => sensor.connect(point),
             Self::Perspective(sensor) => sensor.connect(point),
             Self::ThinLens(sensor) => sensor.connect(point, aperture),
+            _ => None,
         }?;
         let is_finite = connection.importance.is_finite() && connection.film_position.is_finite();
         is_finite.then_some(connection)

@@ -8,24 +8,37 @@
 //!   one.
 //! - `to_world` may scale: distances and the aperture are then in the camera's units.
 
+pub mod batch;
 mod connection;
+pub mod distant;
 pub(crate) mod field_of_view;
+pub mod irradiancemeter;
 pub mod orthographic;
 pub mod perspective;
 mod plane;
+pub mod radiancemeter;
 pub mod thinlens;
 
 pub use connection::Connection;
 
 use crate::builder::read_transform;
+use crate::film::FilmSpec;
 use crate::manual::{ParameterManual, parameter};
 use etendue_document::{Fault, Parameters};
-use etendue_math::{Ray, Transform};
+use etendue_math::{Bounds3, Ray, Transform};
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec2, Vec3};
 
 /// A sensor of the scene.
 #[derive(Clone, Debug)]
 pub enum Sensor {
+    /// Several sensors side by side.
+    Batch(batch::Batch),
+    /// What leaves the scene in one direction.
+    Distant(Box<distant::Distant>),
+    /// What arrives on a shape.
+    Irradiancemeter(Box<irradiancemeter::Irradiancemeter>),
+    /// One ray.
+    Radiancemeter(radiancemeter::Radiancemeter),
     /// Parallel rays.
     Orthographic(orthographic::Orthographic),
     /// A pinhole.
@@ -74,7 +87,11 @@ impl Sensor {
     #[inline]
     #[must_use]
     pub fn has_lens(&self) -> bool {
-        matches!(self, Self::ThinLens(_))
+        match self {
+            Self::ThinLens(_) | Self::Irradiancemeter(_) | Self::Distant(_) => true,
+            Self::Batch(batch) => batch.sensors.iter().any(Self::has_lens),
+            Self::Orthographic(_) | Self::Perspective(_) | Self::Radiancemeter(_) => false,
+        }
     }
 
     /// The ray from a film position through a point of the aperture; `aperture` is uniform in
@@ -86,14 +103,46 @@ impl Sensor {
             Self::Orthographic(sensor) => sensor.ray(film_position),
             Self::Perspective(sensor) => sensor.ray(film_position),
             Self::ThinLens(sensor) => sensor.ray(film_position, aperture),
+            _ => return self.sample_other(film_position, aperture),
         };
         SensorRay { ray, weight: 1.0 }
+    }
+
+    /// [`Self::sample_ray`] of sensors that are no cameras.
+    #[cold]
+    fn sample_other(&self, film_position: Vec2, aperture: Vec2) -> SensorRay {
+        let ray = match self {
+            Self::Batch(batch) => batch
+                .at(film_position)
+                .map(|(sensor, film_position)| sensor.sample_ray(film_position, aperture)),
+            Self::Distant(sensor) => sensor.ray(aperture),
+            Self::Irradiancemeter(sensor) => sensor.ray(film_position, aperture),
+            Self::Radiancemeter(sensor) => Some(SensorRay { ray: sensor.ray(), weight: 1.0 }),
+            Self::Orthographic(_) | Self::Perspective(_) | Self::ThinLens(_) => None,
+        };
+        // A shape without area sends out rays that count nothing.
+        ray.unwrap_or(SensorRay { ray: Ray::segment(Vec3::ZERO, Vec3::Z, 0.0), weight: 0.0 })
+    }
+
+    /// Tells sensors that look at the whole scene how large it is.
+    pub(crate) fn set_bounds(&mut self, bounds: &Bounds3) {
+        match self {
+            Self::Distant(sensor) => sensor.set_bounds(bounds),
+            Self::Batch(batch) => {
+                batch.sensors.iter_mut().for_each(|sensor| sensor.set_bounds(bounds));
+            }
+            _ => {}
+        }
     }
 
     /// What all sensors have.
     #[must_use]
     pub fn common(&self) -> &SensorCommon {
         match self {
+            Self::Batch(sensor) => &sensor.common,
+            Self::Distant(sensor) => &sensor.common,
+            Self::Irradiancemeter(sensor) => &sensor.common,
+            Self::Radiancemeter(sensor) => &sensor.common,
             Self::Orthographic(sensor) => &sensor.common,
             Self::Perspective(sensor) => &sensor.common,
             Self::ThinLens(sensor) => &sensor.common,
@@ -107,6 +156,8 @@ impl Sensor {
             Self::Orthographic(sensor) => sensor.projection(),
             Self::Perspective(sensor) => sensor.projection(),
             Self::ThinLens(sensor) => sensor.projection(),
+            // No picture in perspective.
+            _ => DMat4::IDENTITY,
         };
         let camera = Mat4::from(self.common().to_world.inverse_affine()).as_dmat4();
         let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
@@ -145,8 +196,7 @@ impl SensorCommon {
             to_world: to_world.unwrap_or_default(),
             near_clip: parameters.float_in("near_clip", 0.01, 0.0..=MAX_VALUE) as f32,
             far_clip: parameters.float_in("far_clip", 1e4, 0.0..=MAX_VALUE) as f32,
-            shutter_open: parameters.float_in("shutter_open", 0.0, -MAX_VALUE..=MAX_VALUE) as f32,
-            shutter_close: parameters.float_in("shutter_close", 0.0, -MAX_VALUE..=MAX_VALUE) as f32,
+            ..Self::read_shutter(parameters)
         };
         if common.near_clip >= common.far_clip {
             let message = format!(
@@ -156,12 +206,33 @@ impl SensorCommon {
             parameters.error(Fault::BadValue, "near_clip", message);
             return None;
         }
-        if common.shutter_open > common.shutter_close {
+        (common.check_shutter(parameters) && to_world.is_some()).then_some(common)
+    }
+
+    /// What sensors without near and far planes have.
+    fn without_planes(parameters: &Parameters<'_>, to_world: Transform) -> Option<Self> {
+        let common = Self { to_world, ..Self::read_shutter(parameters) };
+        common.check_shutter(parameters).then_some(common)
+    }
+
+    fn read_shutter(parameters: &Parameters<'_>) -> Self {
+        let time = |name| parameters.float_in(name, 0.0, -MAX_VALUE..=MAX_VALUE) as f32;
+        Self {
+            to_world: Transform::IDENTITY,
+            near_clip: 0.0,
+            far_clip: f32::INFINITY,
+            shutter_open: time("shutter_open"),
+            shutter_close: time("shutter_close"),
+        }
+    }
+
+    fn check_shutter(&self, parameters: &Parameters<'_>) -> bool {
+        let is_well = self.shutter_open <= self.shutter_close;
+        if !is_well {
             let message = "the shutter closes before it opens";
             parameters.error(Fault::BadValue, "shutter_close", message);
-            return None;
         }
-        to_world.map(|_| common)
+        is_well
     }
 
     /// The connection of a point with an origin on the lens, given the point's distance along the view in
@@ -199,6 +270,39 @@ impl SensorCommon {
     /// The linear part of camera to world.
     fn matrix(&self) -> DMat3 {
         Mat3::from(self.to_world.affine().matrix3).as_dmat3()
+    }
+}
+
+/// Reads the placement of a sensor that looks along one direction: `to_world`, or a direction and, under
+/// the name `origin` unless that is empty, a point. `None` after an error has been reported.
+fn read_view(parameters: &Parameters<'_>, origin: &str) -> Option<Transform> {
+    let to_world = read_transform(parameters, "to_world");
+    let direction = parameters.optional_vector("direction");
+    let origin = if origin.is_empty() { None } else { parameters.optional_point(origin) };
+    if direction.is_none() && origin.is_none() {
+        return to_world;
+    }
+    if parameters.has("to_world") {
+        let message = "`to_world` and `direction` say the same thing: give one of them";
+        parameters.error(Fault::BadValue, "to_world", message);
+        return None;
+    }
+    let Some(direction) = direction.and_then(DVec3::try_normalize) else {
+        parameters.error(Fault::BadValue, "direction", "a direction with a length is needed");
+        return None;
+    };
+    let left = direction.any_orthonormal_vector();
+    let axes = [left, direction.cross(left), direction].map(|axis| axis.extend(0.0));
+    let origin = origin.unwrap_or(DVec3::ZERO).extend(1.0);
+    Transform::from_matrix(&DMat4::from_cols(axes[0], axes[1], axes[2], origin))
+}
+
+/// Warns where a sensor that measures one number has a film for more.
+fn warn_of_pixels(parameters: &Parameters<'_>, film: &FilmSpec) {
+    if (film.width, film.height) != (1, 1) {
+        let message = "this sensor measures one number, which every pixel will show: its film is \
+                       meant to have one";
+        parameters.warning(Fault::BadValue, "film", message);
     }
 }
 

@@ -1,0 +1,54 @@
+//! `radiancemeter`: one ray.
+
+use super::{FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, read_view, warn_of_pixels};
+use crate::builder::Builder;
+use crate::film::FilmSpec;
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+use etendue_math::Ray;
+use glam::Vec3;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Measures the radiance along a single ray: from `origin` along `direction`, or from the \
+              origin of `to_world` along its +z. Its film has one pixel.",
+    parameters: &[
+        parameter("origin", "point", "", "Where the ray starts; with `direction`."),
+        parameter("direction", "vector", "", "Where it goes."),
+        parameter("to_world", "transform", "", "Placement, instead of the two above."),
+        SHUTTER_OPEN,
+        SHUTTER_CLOSE,
+        FILM,
+        SAMPLER,
+    ],
+    sample: r#"<sensor type="radiancemeter">
+    <point name="origin" x="0" y="1" z="6"/>
+    <vector name="direction" x="0" y="0" z="-1"/>
+    <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/></film>
+</sensor>"#,
+};
+
+/// One ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Radiancemeter {
+    pub(super) common: SensorCommon,
+}
+
+/// Reads the sensor.
+#[must_use]
+pub fn build(
+    _builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    film: &FilmSpec,
+) -> Option<Radiancemeter> {
+    warn_of_pixels(parameters, film);
+    let to_world = read_view(parameters, "origin")?;
+    Some(Radiancemeter { common: SensorCommon::without_planes(parameters, to_world)? })
+}
+
+impl Radiancemeter {
+    pub(super) fn ray(&self) -> Ray {
+        let to_world = &self.common.to_world;
+        Ray::new(to_world.point(Vec3::ZERO), to_world.vector(Vec3::Z).normalize_or(Vec3::Z))
+    }
+}
