@@ -1,5 +1,6 @@
 //! `aov`: what is seen first, as numbers: for compositing, denoising and looking into a scene.
 
+use crate::nested::{Nested, write};
 use crate::{Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters, list_names, near_names};
 use etendue_math::Ray;
@@ -10,11 +11,14 @@ use glam::Vec3;
 
 /// The manual page.
 pub(crate) const MANUAL: Manual = Manual {
-    summary: "Adds layers to the picture of the integrators nested in it. `aovs` lists them as \
-              `NAME:KIND`, separated by commas; a kind alone is its own name. The kinds are `albedo`, \
-              `depth`, `position`, `uv`, `geo_normal`, `sh_normal`, `dp_du`, `dp_dv`, `prim_index` and \
-              `shape_index`. They belong to the first surface along the camera ray, and are zero where \
-              there is none.",
+    summary: "Adds layers to the picture of the first integrator nested in it. `aovs` lists them as \
+              `NAME:KIND`, separated by commas; a kind alone is its own name. They belong to the first \
+              surface along the camera ray, and are zero where there is none. The kinds, with their \
+              channels, are `albedo` (R, G, B), `depth` (T, the distance), `position` (X, Y, Z), `uv` \
+              (U, V), `geo_normal`, `sh_normal` (before bump and normal maps), `dp_du` and `dp_dv` (X, Y, \
+              Z), `prim_index` and `shape_index` (I; shapes count from 1). A nested integrator NAME \
+              (`_arg_0`, `_arg_1`, … for those without a name) adds its own result as `NAME.R`, \
+              `NAME.G`, `NAME.B` and `NAME.A`, and its layers as `NAME.LAYER`.",
     parameters: &[ParameterManual {
         name: "aovs",
         kind: "string",
@@ -42,7 +46,7 @@ enum Kind {
 /// The name of each kind, and of its channels.
 const KINDS: [(&str, Kind, &[&str]); 10] = [
     ("albedo", Kind::Albedo, &["R", "G", "B"]),
-    ("depth", Kind::Depth, &["Z"]),
+    ("depth", Kind::Depth, &["T"]),
     ("position", Kind::Position, &["X", "Y", "Z"]),
     ("uv", Kind::Uv, &["U", "V"]),
     ("geo_normal", Kind::GeometricNormal, &["X", "Y", "Z"]),
@@ -56,15 +60,23 @@ const KINDS: [(&str, Kind, &[&str]); 10] = [
 /// Adds layers to a picture.
 pub struct Aov {
     kinds: Vec<Kind>,
+    /// Those of the nested integrators, then those of the kinds.
     layers: Vec<String>,
-    nested: Option<Box<dyn Integrator>>,
+    nested: Vec<Nested>,
 }
 
 impl Aov {
-    /// Reads the list of layers; the picture is that of `nested`.
+    /// Reads the list of layers; the picture is that of the first of `nested`.
     #[must_use]
-    pub fn build(parameters: &Parameters<'_>, nested: Option<Box<dyn Integrator>>) -> Self {
-        let mut aov = Self { kinds: Vec::new(), layers: Vec::new(), nested };
+    pub fn build(parameters: &Parameters<'_>, nested: Vec<(String, Box<dyn Integrator>)>) -> Self {
+        let nested: Vec<Nested> =
+            nested.into_iter().map(|(name, integrator)| Nested { name, integrator }).collect();
+        let mut layers: Vec<String> = Vec::new();
+        for nested in &nested {
+            layers.extend(nested.layer_names());
+            layers.extend(["R", "G", "B", "A"].map(|channel| format!("{}.{channel}", nested.name)));
+        }
+        let mut aov = Self { kinds: Vec::new(), layers, nested };
         for item in parameters.string("aovs", "").split(',').map(str::trim) {
             if item.is_empty() {
                 continue;
@@ -72,8 +84,6 @@ impl Aov {
             let (name, kind) = item.split_once(':').unwrap_or((item, item));
             aov.add(parameters, name.trim(), kind.trim());
         }
-        let nested_layers = aov.nested.as_ref().map_or(&[][..], |nested| nested.layers());
-        aov.layers.extend_from_slice(nested_layers);
         aov
     }
 
@@ -95,9 +105,7 @@ impl Aov {
         let mut rest = layers;
         for kind in &self.kinds {
             let (values, count) = kind.values(surface, &bsdf);
-            let (here, after) = rest.split_at_mut(count);
-            here.copy_from_slice(&values[..count]);
-            rest = after;
+            rest = write(rest, &values[..count]);
         }
     }
 }
@@ -112,11 +120,11 @@ impl Kind {
             Self::Position => vector(surface.point),
             Self::Uv => ([surface.uv.x, surface.uv.y, 0.0], 2),
             Self::GeometricNormal => vector(surface.normal),
-            Self::ShadingNormal => vector(surface.to_world(bsdf.normal())),
+            Self::ShadingNormal => vector(surface.shading.n),
             Self::DpDu => vector(surface.dp_du),
             Self::DpDv => vector(surface.dp_dv),
             Self::PrimitiveIndex => ([surface.primitive as f32, 0.0, 0.0], 1),
-            Self::ShapeIndex => ([surface.shape.0 as f32, 0.0, 0.0], 1),
+            Self::ShapeIndex => ([surface.shape.0 as f32 + 1.0, 0.0, 0.0], 1),
         }
     }
 }
@@ -143,15 +151,19 @@ impl Integrator for Aov {
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance {
-        let nested_count = self.nested.as_ref().map_or(0, |nested| nested.layers().len());
-        let (own, nested_layers) = layers.split_at_mut(layers.len() - nested_count);
+        let mut first = None;
+        let mut rest = layers;
+        for nested in &self.nested {
+            let (radiance, after) = nested.sample(scene, start, stream, rest);
+            let [red, green, blue] = radiance.color.rgb();
+            rest = write(after, &[red, green, blue, radiance.alpha]);
+            first.get_or_insert(radiance);
+        }
         let surface = scene.intersect(&start.ray);
         if let Some(surface) = &surface {
-            self.fill(scene, surface, own);
+            self.fill(scene, surface, rest);
         }
-        match &self.nested {
-            Some(nested) => nested.sample_within(scene, start, stream, nested_layers),
-            None => Radiance { alpha: if surface.is_some() { 1.0 } else { 0.0 }, ..Radiance::NONE },
-        }
+        let alone = Radiance { alpha: if surface.is_some() { 1.0 } else { 0.0 }, ..Radiance::NONE };
+        first.unwrap_or(alone)
     }
 }

@@ -13,6 +13,7 @@ mod direct;
 mod light;
 mod media;
 mod moment;
+mod nested;
 mod path;
 mod ptracer;
 mod registry;

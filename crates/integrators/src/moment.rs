@@ -1,22 +1,26 @@
 //! `moment`: the results of other integrators, and their squares.
 
+use crate::nested::{Nested, write};
 use crate::{Integrator, Radiance, Start};
 use etendue_math::Ray;
 use etendue_render::{Manual, Scene};
 use etendue_sampling::SampleStream;
+use etendue_spectrum::colour::rgb_to_xyz;
 
 /// The manual page.
 pub(crate) const MANUAL: Manual = Manual {
-    summary: "Renders with the integrators nested in it, and records for each, beside its colour, the \
-              square of every sample: `NAME.R` and `m2_NAME.R`, and so on, where NAME is the nested \
-              integrator's. The variance of a sample is m2 − mean².",
+    summary: "Renders with the integrators nested in it, and records the mean and the mean square of \
+              everything that they say of a sample. For an integrator NAME (`_arg_0`, `_arg_1`, … for those \
+              without a name) the layers are `NAME.X`, `NAME.Y` and `NAME.Z`, its colour in CIE XYZ, its \
+              own layers as `NAME.LAYER`, and for each of these another one, with `m2_` before it, of \
+              the squares. The variance of a sample is m2 − mean². The picture is that of the first.",
     parameters: &[],
     sample: r#"<integrator type="moment"><integrator type="path" name="img"/></integrator>"#,
 };
 
 /// Records second moments.
 pub struct Moment {
-    nested: Vec<Box<dyn Integrator>>,
+    nested: Vec<Nested>,
     layers: Vec<String>,
 }
 
@@ -24,12 +28,16 @@ impl Moment {
     /// Records the moments of `nested`, by name.
     #[must_use]
     pub fn new(nested: Vec<(String, Box<dyn Integrator>)>) -> Self {
-        let channels = |prefix: &str| -> Vec<String> {
-            let names = nested.iter().map(|(name, _)| name);
-            names.flat_map(|name| ["R", "G", "B"].map(|c| format!("{prefix}{name}.{c}"))).collect()
-        };
-        let layers = [channels(""), channels("m2_")].concat();
-        Self { nested: nested.into_iter().map(|(_, integrator)| integrator).collect(), layers }
+        let nested: Vec<Nested> =
+            nested.into_iter().map(|(name, integrator)| Nested { name, integrator }).collect();
+        let mut layers: Vec<String> = Vec::new();
+        for nested in &nested {
+            layers.extend(nested.layer_names());
+            layers.extend(["X", "Y", "Z"].map(|channel| format!("{}.{channel}", nested.name)));
+        }
+        let squares: Vec<String> = layers.iter().map(|layer| format!("m2_{layer}")).collect();
+        layers.extend(squares);
+        Self { nested, layers }
     }
 }
 
@@ -55,17 +63,16 @@ impl Integrator for Moment {
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance {
-        let (values, squares) = layers.split_at_mut(3 * self.nested.len());
+        let (values, squares) = layers.split_at_mut(layers.len() / 2);
         let mut first = None;
-        for (index, integrator) in self.nested.iter().enumerate() {
-            // Layers of nested integrators are not recorded.
-            let mut ignored = vec![0.0; integrator.layers().len()];
-            let radiance = integrator.sample_within(scene, start, stream, &mut ignored);
-            for (channel, value) in radiance.color.rgb().into_iter().enumerate() {
-                values[3 * index + channel] = value;
-                squares[3 * index + channel] = value * value;
-            }
+        let mut rest = &mut values[..];
+        for nested in &self.nested {
+            let (radiance, after) = nested.sample(scene, start, stream, rest);
+            rest = write(after, &rgb_to_xyz(radiance.color.rgb()));
             first.get_or_insert(radiance);
+        }
+        for (square, value) in squares.iter_mut().zip(values) {
+            *square = *value * *value;
         }
         first.unwrap_or(Radiance::NONE)
     }

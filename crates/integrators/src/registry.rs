@@ -54,10 +54,7 @@ const fn plugin(
 
 /// The integrators.
 pub static INTEGRATORS: &[IntegratorPlugin] = &[
-    plugin("aov", &aov::MANUAL, |b| {
-        let first = b.nested()?.into_iter().next().map(|(_, integrator)| integrator);
-        Some(Box::new(Aov::build(b.parameters, first)))
-    }),
+    plugin("aov", &aov::MANUAL, |b| Some(Box::new(Aov::build(b.parameters, b.nested()?)))),
     plugin("depth", &depth::MANUAL, |_| Some(Box::new(Depth))),
     plugin("direct", &direct::MANUAL, |b| {
         Some(Box::new(Direct::build(b.parameters, b.options.emitter_sampling)))
@@ -97,7 +94,7 @@ impl Build<'_> {
         for child in self.parameters.children_of(Class::Integrator) {
             let parameters =
                 self.parameters.document().parameters(child.node, self.parameters.diagnostics());
-            let name = child.name.clone().unwrap_or_else(|| format!("image{}", nested.len()));
+            let name = child.name.clone().unwrap_or_else(|| format!("_arg_{}", nested.len()));
             let options = IntegratorOptions { name: None, ..self.options.clone() };
             let build =
                 Build { parameters: &parameters, options: &options, nesting: self.nesting + 1 };

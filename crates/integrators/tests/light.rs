@@ -6,6 +6,7 @@ use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, load_str};
 use etendue_render::{BuildOptions, Scene, build_scene};
 use etendue_sampling::{SamplerKind, SamplerSpec};
+use etendue_spectrum::colour::rgb_to_xyz;
 use etendue_testkit::{Accumulator, welch};
 use glam::{UVec2, Vec3};
 
@@ -203,16 +204,42 @@ fn the_two_faces_of_a_thin_masked_sheet_count_once() {
 fn layers_hold_what_they_are_named_for() {
     let text = r#"<integrator type="moment"><integrator type="aov" name="all"><string name="aovs" value="depth, albedo:albedo, n:geo_normal"/><integrator type="depth" name="far"/></integrator><integrator type="depth" name="far"/></integrator><shape type="sphere"/>"#;
     let Setup { scene, integrator } = setup(text, &IntegratorOptions::default());
-    let names = ["all.R", "all.G", "all.B", "far.R", "far.G", "far.B"];
-    assert_eq!(integrator.layers()[..6], names);
-    assert_eq!(integrator.layers()[6], "m2_all.R");
+    // As Mitsuba 3.9.1 names them, but for the order, which files do not keep.
+    let names = [
+        "all.far.R",
+        "all.far.G",
+        "all.far.B",
+        "all.far.A",
+        "all.depth.T",
+        "all.albedo.R",
+        "all.albedo.G",
+        "all.albedo.B",
+        "all.n.X",
+        "all.n.Y",
+        "all.n.Z",
+        "all.X",
+        "all.Y",
+        "all.Z",
+        "far.X",
+        "far.Y",
+        "far.Z",
+    ];
+    let layers = integrator.layers();
+    assert_eq!(layers.len(), 2 * names.len());
+    assert_eq!(layers[..names.len()], names);
+    assert!(layers[names.len()..].iter().zip(names).all(|(m2, name)| *m2 == format!("m2_{name}")));
     let spec = SamplerSpec::new(SamplerKind::Independent, 1, 0);
-    let mut layers = vec![0.0; 12];
+    let mut values = vec![0.0; 2 * names.len()];
     let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
-    let seen = integrator.sample(&scene, &ray, &mut spec.start(UVec2::ZERO, 0), &mut layers);
+    let seen = integrator.sample(&scene, &ray, &mut spec.start(UVec2::ZERO, 0), &mut values);
     assert!((seen.color.luminance() - 3.0).abs() < 1e-4 && seen.alpha == 1.0);
-    assert!(layers[..6].iter().all(|x| (x - 3.0).abs() < 1e-4), "{layers:?}");
-    assert!(layers[6..].iter().all(|x| (x - 9.0).abs() < 1e-3), "{layers:?}");
+    let [x, y, z] = rgb_to_xyz([3.0; 3]);
+    let expected = [3.0, 3.0, 3.0, 1.0, 3.0, 0.5, 0.5, 0.5, 0.0, 0.0, 1.0, x, y, z, x, y, z];
+    let (means, squares) = values.split_at(names.len());
+    for ((mean, square), expected) in means.iter().zip(squares).zip(expected) {
+        assert!((mean - expected).abs() < 1e-4, "{values:?}");
+        assert!((square - expected * expected).abs() < 1e-3, "{values:?}");
+    }
 }
 
 /// Where the shading normal leans over, light arrives from below the surface's horizon:

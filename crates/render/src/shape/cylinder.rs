@@ -5,7 +5,7 @@ use crate::builder::read_transform;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
 use etendue_math::polynomial::quadratic_roots;
-use etendue_math::{Bounds3, Frame, Ray, rounding_error_bound};
+use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -17,7 +17,12 @@ pub const MANUAL: Manual = Manual {
         parameter("p1", "point", "0, 0, 1", "The middle of the other end, before `to_world`."),
         parameter("radius", "float", "1", "The radius, before `to_world`."),
         parameter("flip_normals", "boolean", "false", "Let the normals point inwards."),
-        parameter("to_world", "transform", "", "Placement; it must not scale unequally."),
+        parameter(
+            "to_world",
+            "transform",
+            "",
+            "Placement; it may stretch the cylinder along its axis, not across.",
+        ),
     ],
     sample: r#"<shape type="cylinder"><point name="p1" x="0" y="2" z="0"/><float name="radius" value="0.3"/></shape>"#,
 };
@@ -42,27 +47,31 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Cylinder> {
     let flip_normals = parameters.boolean("flip_normals", false);
     read_transform(parameters, "to_world")?;
     let to_world = parameters.transform("to_world");
-    let axis = to_world.transform_vector3(p1 - p0);
-    let length = axis.length();
-    let scale = DMat3::from_mat4(to_world).determinant().abs().cbrt();
-    let own = Frame::from_normal(axis.as_vec3().normalize_or(Vec3::Z));
-    let unscaled = |v: Vec3| to_world.inverse().transform_vector3(v.as_dvec3()).length() * scale;
-    if length.is_nan()
-        || length <= 0.0
-        || (unscaled(own.s) - 1.0).abs() > 1e-3
-        || (unscaled(own.t) - 1.0).abs() > 1e-3
-    {
+    let axis = p1 - p0;
+    // The azimuth counts from where Mitsuba counts it: in the cylinder's own space, before `to_world`.
+    let (s, t) = coordinate_system(axis.as_vec3().normalize_or(Vec3::Z));
+    let [s, t, axis] =
+        [s.as_dvec3(), t.as_dvec3(), axis].map(|vector| to_world.transform_vector3(vector));
+    let (length, radius_scale) = (axis.length(), s.length());
+    let skew = |a: DVec3, b: DVec3| a.dot(b).abs() / (a.length() * b.length());
+    let skews = skew(s, t).max(skew(s, axis)).max(skew(t, axis));
+    let is_round = (t.length() / radius_scale - 1.0).abs() < 1e-3 && skews < 1e-3;
+    if length.is_nan() || length <= 0.0 || !is_round {
         parameters.error(
             Fault::BadValue,
             "to_world",
-            "a cylinder needs two distinct points and cannot be sheared or scaled unequally",
+            "a cylinder needs two distinct points and must stay round: it cannot be sheared, or \
+             scaled unequally across",
         );
         return None;
     }
-    let (radius, n) = (radius * scale, axis / length);
-    let s = (own.s.as_dvec3() - n * n.dot(own.s.as_dvec3())).normalize();
+    // What rounding leaves of skew is taken off.
+    let n = axis / length;
+    let s = (s - n * n.dot(s)).normalize();
+    let t = n.cross(s) * 1.0_f64.copysign(n.cross(s).dot(t));
+    let radius = radius * radius_scale;
     let to_world = DAffine3::from_mat3_translation(
-        DMat3::from_cols(s * radius, n.cross(s) * radius, axis),
+        DMat3::from_cols(s * radius, t * radius, axis),
         to_world.transform_point3(p0),
     );
     Some(Cylinder { to_local: to_world.inverse(), to_world, radius, length, flip_normals })
@@ -147,5 +156,62 @@ impl Cylinder {
             uv: surface.uv,
             pdf: 1.0 / self.area(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::testing::TestNode;
+    use etendue_document::{Class, Fault, Value};
+    use glam::DMat4;
+
+    fn node(to_world: DMat4) -> TestNode {
+        TestNode::new(Class::Shape, "cylinder").with("to_world", Value::Transform(to_world))
+    }
+
+    /// Read from Mitsuba 3.9.1: the point, its coordinates, the normal and ∂point/∂u.
+    #[test]
+    fn places_are_those_of_mitsuba_whatever_the_placement() {
+        let turned =
+            DMat4::from_rotation_y(30_f64.to_radians()) * DMat4::from_scale(DVec3::splat(2.0));
+        let turned = node(turned)
+            .with("p0", Value::Point(DVec3::X))
+            .with("p1", Value::Point(DVec3::new(1.0, 2.0, 3.0)))
+            .float("radius", 0.5);
+        let mirrored = node(DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0)));
+        let cases = [
+            (
+                &turned,
+                [0.945_538, 0.635_581],
+                [4.547_67, 2.263_12, 1.992_76],
+                [0.908_88, -0.279_2, -0.309_814],
+                [0.184_294, 4.924_81, -3.897_52],
+            ),
+            (
+                &mirrored,
+                [0.468_584, 0.794_173],
+                [0.980_578, 0.196_116, 0.794_173],
+                [0.980_581, 0.196_116, 0.0],
+                [1.232_23, -6.161_16, 0.0],
+            ),
+        ];
+        for (node, uv, point, normal, dp_du) in cases {
+            let cylinder = node.build_cleanly(|_, parameters| build(parameters));
+            let found = cylinder.surface_point(Vec2::from(uv));
+            assert!((found.point - Vec3::from(point)).length() < 1e-4, "{found:?}");
+            assert!((found.normal - Vec3::from(normal)).length() < 1e-4, "{found:?}");
+            assert!((found.dp_du - Vec3::from(dp_du)).length() < 1e-3, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn it_may_be_stretched_but_stays_round() {
+        let long = node(DMat4::from_scale(DVec3::new(1.5, 1.5, 4.0)));
+        let cylinder = long.build_cleanly(|_, parameters| build(parameters));
+        assert!((cylinder.area() - 2.0 * std::f32::consts::PI * 1.5 * 4.0).abs() < 1e-4);
+        let flat = node(DMat4::from_scale(DVec3::new(1.5, 1.0, 1.0)));
+        assert!(flat.build(|_, parameters| build(parameters)).is_none());
+        assert_eq!(flat.findings()[0].fault, Fault::BadValue);
     }
 }
