@@ -114,11 +114,17 @@ pub static BSDFS: &[Plugin<BuildMaterial>] = &[
 
 /// The shapes with geometry of their own.
 pub static SHAPES: &[Plugin<BuildGeometry>] = &[
+    plugin("bsplinecurve", &shape::bsplinecurve::MANUAL, |a, p| {
+        shape::bsplinecurve::build(a, p).map(|curve| Geometry::BSplineCurve(Box::new(curve)))
+    }),
     plugin("cube", &shape::cube::MANUAL, |_, p| shape::cube::build(p).map(Geometry::Mesh)),
     plugin("cylinder", &shape::cylinder::MANUAL, |_, p| {
         shape::cylinder::build(p).map(Geometry::Cylinder)
     }),
     plugin("disk", &shape::disk::MANUAL, |_, p| shape::disk::build(p).map(Geometry::Disk)),
+    plugin("linearcurve", &shape::linearcurve::MANUAL, |a, p| {
+        shape::linearcurve::build(a, p).map(|curve| Geometry::LinearCurve(Box::new(curve)))
+    }),
     plugin("obj", &shape::obj::MANUAL, |a, p| shape::obj::build(a, p).map(Geometry::Mesh)),
     plugin("ply", &shape::ply::MANUAL, |a, p| shape::ply::build(a, p).map(Geometry::Mesh)),
     plugin("rectangle", &shape::rectangle::MANUAL, |_, p| {

@@ -106,11 +106,12 @@ pub struct EmitterChoice {
 
 /// The tree over shapes; `groups` are what instances among them place.
 pub(crate) fn build_tree(shapes: &[Shape], groups: &[Group]) -> Result<Bvh, String> {
-    let boxes: Vec<Bounds3> = shapes.iter().map(Shape::bounds).collect();
+    let boxes: Vec<Vec<Bounds3>> =
+        shapes.iter().map(|shape| shape.geometry.primitive_boxes()).collect();
     let views: Vec<GeometryView<'_>> = shapes
         .iter()
         .zip(&boxes)
-        .map(|(shape, bounds)| match &shape.geometry {
+        .map(|(shape, boxes)| match &shape.geometry {
             Geometry::Mesh(mesh) => GeometryView::Triangles(TriangleMeshView {
                 positions: mesh.positions(),
                 indices: mesh.triangles(),
@@ -119,10 +120,7 @@ pub(crate) fn build_tree(shapes: &[Shape], groups: &[Group]) -> Result<Bvh, Stri
                 group: Arc::clone(&groups[instance.group.index()].bvh),
                 to_world: instance.to_world.affine(),
             },
-            Geometry::Sphere(_)
-            | Geometry::Disk(_)
-            | Geometry::Cylinder(_)
-            | Geometry::RevSurface(_) => GeometryView::User(std::slice::from_ref(bounds)),
+            _ => GeometryView::User(boxes),
         })
         .collect();
     Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())
@@ -344,6 +342,8 @@ impl Scene {
                 }
                 Geometry::Instance(_) => statistics.instances += 1,
                 Geometry::RevSurface(surface) => statistics.mesh_bytes += surface.memory_bytes(),
+                Geometry::LinearCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
+                Geometry::BSplineCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
                 Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {}
             }
         }
@@ -354,54 +354,59 @@ impl Scene {
     }
 
     /// The nearest hit with one of the analytic shapes.
-    fn intersect_shape(&self, id: ShapeId, ray: &Ray) -> Option<PrimitiveHit> {
+    fn intersect_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
         let (t, local) = match &self.shapes[id.index()].geometry {
             Geometry::Sphere(sphere) => (sphere.intersect(ray)?, Vec2::ZERO),
             Geometry::Disk(disk) => disk.intersect(ray)?,
             Geometry::Cylinder(cylinder) => cylinder.intersect(ray)?,
             Geometry::RevSurface(surface) => surface.intersect(ray)?,
+            Geometry::LinearCurve(curve) => (curve.intersect(primitive, ray)?, Vec2::ZERO),
+            Geometry::BSplineCurve(curve) => {
+                let (t, s) = curve.intersect(primitive, ray)?;
+                (t, Vec2::new(s, 0.0))
+            }
             Geometry::Mesh(_) | Geometry::Instance(_) => return None,
         };
         Some(PrimitiveHit { t, u: local.x, v: local.y })
     }
 
     /// Whether one of the analytic shapes is in the way.
-    fn occludes_shape(&self, id: ShapeId, ray: &Ray) -> bool {
+    fn occludes_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> bool {
         match &self.shapes[id.index()].geometry {
             Geometry::RevSurface(surface) => surface.occludes(ray),
-            _ => self.intersect_shape(id, ray).is_some(),
+            _ => self.intersect_shape(id, primitive, ray).is_some(),
         }
     }
 }
 
 impl Primitives for Scene {
-    fn intersect(&self, geometry: u32, _: u32, ray: &Ray) -> Option<PrimitiveHit> {
-        self.intersect_shape(ShapeId(geometry), ray)
+    fn intersect(&self, geometry: u32, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        self.intersect_shape(ShapeId(geometry), primitive, ray)
     }
 
-    fn occludes(&self, geometry: u32, _: u32, ray: &Ray) -> bool {
-        self.occludes_shape(ShapeId(geometry), ray)
+    fn occludes(&self, geometry: u32, primitive: u32, ray: &Ray) -> bool {
+        self.occludes_shape(ShapeId(geometry), primitive, ray)
     }
 
     fn intersect_in(
         &self,
         instance: u32,
         geometry: u32,
-        _: u32,
+        primitive: u32,
         ray: &Ray,
     ) -> Option<PrimitiveHit> {
         let Geometry::Instance(instance) = &self.shapes[instance as usize].geometry else {
             return None;
         };
         let first = self.groups[instance.group.index()].first_shape;
-        self.intersect_shape(ShapeId(first.0 + geometry), ray)
+        self.intersect_shape(ShapeId(first.0 + geometry), primitive, ray)
     }
 
-    fn occludes_in(&self, instance: u32, geometry: u32, _: u32, ray: &Ray) -> bool {
+    fn occludes_in(&self, instance: u32, geometry: u32, primitive: u32, ray: &Ray) -> bool {
         let Geometry::Instance(instance) = &self.shapes[instance as usize].geometry else {
             return false;
         };
         let first = self.groups[instance.group.index()].first_shape;
-        self.occludes_shape(ShapeId(first.0 + geometry), ray)
+        self.occludes_shape(ShapeId(first.0 + geometry), primitive, ray)
     }
 }

@@ -7,10 +7,13 @@
 //!   [`SurfaceInteraction`]; that is computed once, for the nearest hit only.
 //! - Sampled points are uniform in area unless a shape can do better seen from a point.
 
+pub mod bsplinecurve;
 pub mod cube;
+pub mod curve_file;
 pub mod cylinder;
 pub mod disk;
 pub mod instance;
+pub mod linearcurve;
 pub mod mesh;
 pub mod obj;
 pub mod ply;
@@ -51,6 +54,10 @@ pub enum Geometry {
     Cylinder(cylinder::Cylinder),
     /// A surface of revolution.
     RevSurface(Box<revsurface::RevSurface>),
+    /// Straight tubes.
+    LinearCurve(Box<linearcurve::LinearCurve>),
+    /// Tubes along splines.
+    BSplineCurve(Box<bsplinecurve::BSplineCurve>),
     /// A shape group placed in the scene.
     Instance(instance::Instance),
 }
@@ -135,7 +142,22 @@ impl Geometry {
             Self::Disk(disk) => disk.bounds(),
             Self::Cylinder(cylinder) => cylinder.bounds(),
             Self::RevSurface(surface) => surface.bounds(),
+            Self::LinearCurve(_) | Self::BSplineCurve(_) => {
+                self.primitive_boxes().into_iter().fold(Bounds3::EMPTY, Bounds3::union)
+            }
             Self::Instance(instance) => instance.bounds(),
+        }
+    }
+
+    /// The boxes around the primitives that the shape intersects itself; none for triangles and
+    /// instances.
+    #[must_use]
+    pub fn primitive_boxes(&self) -> Vec<Bounds3> {
+        match self {
+            Self::Mesh(_) | Self::Instance(_) => Vec::new(),
+            Self::LinearCurve(curve) => curve.boxes(),
+            Self::BSplineCurve(curve) => curve.boxes(),
+            _ => vec![self.bounds()],
         }
     }
 
@@ -153,6 +175,8 @@ impl Geometry {
     pub fn primitive_count(&self) -> usize {
         match self {
             Self::Mesh(mesh) => mesh.triangles().len(),
+            Self::LinearCurve(curve) => curve.segment_count(),
+            Self::BSplineCurve(curve) => curve.segment_count(),
             _ => 1,
         }
     }
@@ -170,6 +194,10 @@ impl Shape {
             Geometry::Cylinder(cylinder) => cylinder.surface_point(Vec2::new(hit.u, hit.v)),
             Geometry::RevSurface(surface) => {
                 surface.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v))
+            }
+            Geometry::LinearCurve(curve) => curve.surface_point(hit.primitive, ray, hit.t),
+            Geometry::BSplineCurve(curve) => {
+                curve.surface_point(hit.primitive, ray, (hit.t, hit.u))
             }
             Geometry::Instance(_) => SurfacePoint::NOWHERE,
         };
@@ -197,7 +225,7 @@ impl Shape {
         self.geometry.bounds()
     }
 
-    /// The area of the surface; zero for an instance, which cannot be a light.
+    /// The area of the surface; zero for instances and curves, which are not sampled as lights.
     #[must_use]
     pub fn area(&self) -> f32 {
         match &self.geometry {
@@ -206,7 +234,7 @@ impl Shape {
             Geometry::Disk(disk) => disk.area(),
             Geometry::Cylinder(cylinder) => cylinder.area(),
             Geometry::RevSurface(surface) => surface.area(),
-            Geometry::Instance(_) => 0.0,
+            Geometry::LinearCurve(_) | Geometry::BSplineCurve(_) | Geometry::Instance(_) => 0.0,
         }
     }
 
@@ -219,7 +247,7 @@ impl Shape {
             Geometry::Disk(disk) => Some(disk.sample_area(random)),
             Geometry::Cylinder(cylinder) => Some(cylinder.sample_area(random)),
             Geometry::RevSurface(surface) => surface.sample_area(random),
-            Geometry::Instance(_) => None,
+            Geometry::LinearCurve(_) | Geometry::BSplineCurve(_) | Geometry::Instance(_) => None,
         }
     }
 
