@@ -95,11 +95,17 @@ pub(super) struct BaseParameters {
     sheen: ScalarSource,
     sheen_tint: ScalarSource,
     flatness: ScalarSource,
+    spec_trans: ScalarSource,
+    metallic: ScalarSource,
 }
 
 impl BaseParameters {
-    /// Reads them.
-    pub(super) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
+    /// Reads them, but for `metallic`, which sheets do not have.
+    pub(super) fn read(
+        builder: &mut Builder<'_>,
+        parameters: &Parameters<'_>,
+        metallic: ScalarSource,
+    ) -> Self {
         Self {
             base_color: builder.color(parameters, "base_color", 0.5, SpectrumUse::Reflectance),
             roughness: fraction(builder, parameters, "roughness", 0.5),
@@ -108,7 +114,14 @@ impl BaseParameters {
             sheen: strength(builder, parameters, "sheen"),
             sheen_tint: fraction(builder, parameters, "sheen_tint", 0.0),
             flatness: fraction(builder, parameters, "flatness", 0.0),
+            spec_trans: fraction(builder, parameters, "spec_trans", 0.0),
+            metallic,
         }
+    }
+
+    /// Whether any light may pass the surface without being scattered below it.
+    pub(super) fn transmits(&self) -> bool {
+        !matches!(self.spec_trans, ScalarSource::Constant(0.0))
     }
 
     /// Reads the textures at a hit.
@@ -122,6 +135,8 @@ impl BaseParameters {
             sheen: limited(self.sheen.eval(textures, surface), 0.0, 1e4),
             sheen_tint: share(&self.sheen_tint),
             flatness: share(&self.flatness),
+            spec_trans: share(&self.spec_trans),
+            metallic: share(&self.metallic),
         }
     }
 }
@@ -136,7 +151,8 @@ pub(super) fn share_at(
     limited(source.eval(textures, surface), 0.0, 1.0)
 }
 
-/// The resolved parameters that both materials have.
+/// The resolved parameters that both materials have. All closures take as much room as the largest,
+/// so this is made to fill its 48 bytes, and what does not vary is left out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Base {
     pub(super) color: Spectrum,
@@ -146,6 +162,9 @@ pub(super) struct Base {
     sheen: f32,
     sheen_tint: f32,
     flatness: f32,
+    pub(super) spec_trans: f32,
+    /// Zero for sheets.
+    pub(super) metallic: f32,
 }
 
 impl Base {

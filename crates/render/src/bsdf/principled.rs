@@ -7,7 +7,6 @@ use super::disney::{
     strength,
 };
 use super::inputs::limited;
-use super::microfacet::Microfacets;
 use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
@@ -76,8 +75,6 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Copy, Debug)]
 pub struct Principled {
     base: BaseParameters,
-    metallic: ScalarSource,
-    spec_trans: ScalarSource,
     eta: f32,
     clearcoat: ScalarSource,
     clearcoat_gloss: ScalarSource,
@@ -94,14 +91,11 @@ struct Rates {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Principled> {
-    let base = BaseParameters::read(builder, parameters);
     let metallic = fraction(builder, parameters, "metallic", 0.0);
-    let spec_trans = fraction(builder, parameters, "spec_trans", 0.0);
+    let base = BaseParameters::read(builder, parameters, metallic);
     Some(Principled {
         base,
-        metallic,
-        spec_trans,
-        eta: relative_index(parameters, may_transmit(&spec_trans)),
+        eta: relative_index(parameters, base.transmits()),
         clearcoat: strength(builder, parameters, "clearcoat"),
         clearcoat_gloss: fraction(builder, parameters, "clearcoat_gloss", 0.0),
         rates: Rates {
@@ -110,11 +104,6 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
             diffuse: sampling_rate(parameters, "diffuse_reflectance_sampling_rate"),
         },
     })
-}
-
-/// Whether any of the surface is glass.
-fn may_transmit(spec_trans: &ScalarSource) -> bool {
-    !matches!(spec_trans, ScalarSource::Constant(0.0))
 }
 
 /// The index from `eta` or `specular`. A rough interface between equal indices would transmit in
@@ -137,7 +126,7 @@ impl Principled {
     /// Whether light may pass the surface.
     #[must_use]
     pub(super) fn transmits(&self) -> bool {
-        may_transmit(&self.spec_trans)
+        self.base.transmits()
     }
 
     /// Reads the textures at a hit. Out of line, as are the closure's functions: what is rare must
@@ -148,37 +137,29 @@ impl Principled {
         &self,
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
-    ) -> PrincipledClosure {
-        let base = self.base.resolve(textures, surface);
+    ) -> PrincipledClosure<'_> {
         PrincipledClosure {
-            microfacets: base.microfacets(1.0),
-            base,
-            metallic: share_at(&self.metallic, textures, surface),
-            spec_trans: share_at(&self.spec_trans, textures, surface),
-            eta: self.eta,
+            base: self.base.resolve(textures, surface),
             clearcoat: limited(self.clearcoat.eval(textures, surface), 0.0, 1e4),
             coat: CoatNormals::new(share_at(&self.clearcoat_gloss, textures, surface)),
-            rates: self.rates,
+            material: self,
         }
     }
 }
 
 /// Disney's material, resolved.
 #[derive(Clone, Copy, Debug)]
-pub struct PrincipledClosure {
+pub struct PrincipledClosure<'a> {
     base: Base,
-    microfacets: Microfacets,
-    metallic: f32,
-    spec_trans: f32,
-    eta: f32,
     clearcoat: f32,
     coat: CoatNormals,
-    rates: Rates,
+    /// What does not vary.
+    material: &'a Principled,
 }
 
 /// The surface as seen from the side of `wi`, which is above.
 struct Facing<'a> {
-    closure: &'a PrincipledClosure,
+    closure: &'a PrincipledClosure<'a>,
     wi: Vec3,
     /// Whether that side is the outside.
     front: bool,
@@ -194,7 +175,7 @@ struct Choice {
     reflection: f32,
 }
 
-impl PrincipledClosure {
+impl PrincipledClosure<'_> {
     /// Turns what comes from below upside down. The factor takes directions there and back.
     #[inline]
     fn facing(&self, wi: Vec3) -> Option<(Facing<'_>, f32)> {
@@ -203,20 +184,21 @@ impl PrincipledClosure {
         if wi.z == 0.0 || !front && self.glass() == 0.0 {
             return None;
         }
-        let (side, eta) = if front { (1.0, self.eta) } else { (-1.0, 1.0 / self.eta) };
+        let inside = self.material.eta;
+        let (side, eta) = if front { (1.0, inside) } else { (-1.0, 1.0 / inside) };
         Some((Facing { closure: self, wi: wi * side, front, eta }, side))
     }
 
     /// The share of the opaque dielectric.
     #[inline]
     fn opaque(&self) -> f32 {
-        (1.0 - self.metallic) * (1.0 - self.spec_trans)
+        (1.0 - self.base.metallic) * (1.0 - self.base.spec_trans)
     }
 
     /// The share of glass.
     #[inline]
     fn glass(&self) -> f32 {
-        (1.0 - self.metallic) * self.spec_trans
+        (1.0 - self.base.metallic) * self.base.spec_trans
     }
 }
 
@@ -227,7 +209,7 @@ impl Facing<'_> {
     fn choice(&self, reflected: f32) -> Option<Choice> {
         let closure = self.closure;
         let transmitted = closure.glass() * (1.0 - reflected);
-        let Rates { specular, clearcoat, diffuse } = closure.rates;
+        let Rates { specular, clearcoat, diffuse } = closure.material.rates;
         let choice = if self.front {
             Choice {
                 diffuse: closure.opaque() * diffuse,
@@ -284,7 +266,7 @@ impl Facing<'_> {
     ) -> (Spectrum, f32) {
         let closure = self.closure;
         let (wi, cos_d) = (self.wi, self.wi.dot(m));
-        let main = closure.microfacets.reflection(wi, wo, m);
+        let main = closure.base.microfacets(1.0).reflection(wi, wo, m);
         let mut value = Spectrum::ZERO;
         // As in Mitsuba, there is no reflection at all where the indices are equal, also of metal.
         if reflected > 0.0 {
@@ -292,7 +274,7 @@ impl Facing<'_> {
         }
         let coat = closure.coat.density(m);
         if self.front {
-            let dielectric = 1.0 - closure.metallic;
+            let dielectric = 1.0 - closure.base.metallic;
             value += closure.base.diffuse(wi.z, wo.z, cos_d) * closure.opaque()
                 + closure.base.sheen(wo.z, cos_d) * dielectric;
         }
@@ -319,7 +301,7 @@ impl Facing<'_> {
         transport: Transport,
     ) -> (Spectrum, f32) {
         let closure = self.closure;
-        let microfacets = &closure.microfacets;
+        let microfacets = closure.base.microfacets(1.0);
         let (cos_i, cos_o) = (self.wi.dot(m), wo.dot(m).abs());
         let root = cos_i - self.eta * cos_o;
         let jacobian = self.eta * self.eta * cos_o / (root * root);
@@ -341,11 +323,11 @@ impl Facing<'_> {
         if !self.front {
             return Spectrum::splat(closure.glass() * reflected);
         }
-        let dielectric = 1.0 - closure.metallic;
+        let dielectric = 1.0 - closure.base.metallic;
         let tinted = dielectric * closure.base.spec_tint;
         let mut tint = Spectrum::splat((dielectric - tinted) * reflected);
-        if closure.metallic > 0.0 {
-            tint += schlick(closure.base.color, cosine, self.eta) * closure.metallic;
+        if closure.base.metallic > 0.0 {
+            tint += schlick(closure.base.color, cosine, self.eta) * closure.base.metallic;
         }
         if tinted > 0.0 {
             let normal = closure.base.hue() * normal_reflectance(self.eta);
@@ -356,7 +338,7 @@ impl Facing<'_> {
 
     #[inline]
     fn sample_direction(&self, lobe: f32, uniform: Vec2) -> Option<(Vec3, f32, Lobe)> {
-        let m = self.closure.microfacets.sample(self.wi, uniform);
+        let m = self.closure.base.microfacets(1.0).sample(self.wi, uniform);
         let interface = fresnel::dielectric(self.wi.dot(m), self.eta);
         let choice = self.choice(interface.reflectance)?;
         let mut remaining = lobe;
@@ -377,7 +359,7 @@ impl Facing<'_> {
     }
 }
 
-impl Closure for PrincipledClosure {
+impl Closure for PrincipledClosure<'_> {
     #[inline(never)]
     fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
         self.facing(wi)

@@ -2,7 +2,7 @@
 
 use super::disney::{
     ANISOTROPIC, BASE_COLOR, Base, BaseParameters, FLATNESS, ROUGHNESS, SHEEN, SHEEN_TINT,
-    SPEC_TINT, fraction, normal_reflectance, sampling_rate, schlick, share_at,
+    SPEC_TINT, normal_reflectance, sampling_rate, schlick,
 };
 use super::inputs::{limited, scalar_within};
 use super::microfacet::Microfacets;
@@ -86,7 +86,6 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledThin {
     base: BaseParameters,
-    spec_trans: ScalarSource,
     eta: ScalarSource,
     diff_trans: ScalarSource,
     rates: Rates,
@@ -103,10 +102,8 @@ struct Rates {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<PrincipledThin> {
-    let base = BaseParameters::read(builder, parameters);
     Some(PrincipledThin {
-        base,
-        spec_trans: fraction(builder, parameters, "spec_trans", 0.0),
+        base: BaseParameters::read(builder, parameters, ScalarSource::Constant(0.0)),
         eta: scalar_within(builder, parameters, "eta", 1.5, 1e-3..=1e3),
         diff_trans: scalar_within(builder, parameters, "diff_trans", 0.0, 0.0..=2.0),
         rates: Rates {
@@ -130,40 +127,33 @@ impl PrincipledThin {
         &self,
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
-    ) -> PrincipledThinClosure {
-        let base = self.base.resolve(textures, surface);
-        let spec_trans = share_at(&self.spec_trans, textures, surface);
-        let transmitted = 0.5 * limited(self.diff_trans.eval(textures, surface), 0.0, 2.0);
-        let diffuse = 1.0 - spec_trans;
-        let rates = &self.rates;
-        let weights = [
-            0.5 * spec_trans * rates.specular_reflection,
-            0.5 * spec_trans * rates.specular_transmission,
-            diffuse * (1.0 - transmitted) * rates.diffuse_reflection,
-            diffuse * transmitted * rates.diffuse_transmission,
-        ];
-        let total: f32 = weights.iter().sum();
+    ) -> PrincipledThinClosure<'_> {
         PrincipledThinClosure {
-            base,
+            base: self.base.resolve(textures, surface),
             eta: limited(self.eta.eval(textures, surface), 1e-3, 1e3),
-            spec_trans,
-            diffuse_reflected: diffuse * (1.0 - transmitted),
-            diffuse_transmitted: diffuse * transmitted,
-            probabilities: weights.map(|weight| if total > 0.0 { weight / total } else { 0.0 }),
+            passing: 0.5 * limited(self.diff_trans.eval(textures, surface), 0.0, 2.0),
+            rates: &self.rates,
         }
     }
 }
 
 /// Disney's material for sheets, resolved.
 #[derive(Clone, Copy, Debug)]
-pub struct PrincipledThinClosure {
+pub struct PrincipledThinClosure<'a> {
     base: Base,
     eta: f32,
-    spec_trans: f32,
-    diffuse_reflected: f32,
-    diffuse_transmitted: f32,
-    /// Specular reflection and transmission, diffuse reflection and transmission.
-    probabilities: [f32; 4],
+    /// The share of diffuse light that passes.
+    passing: f32,
+    rates: &'a Rates,
+}
+
+/// A number for each lobe.
+#[derive(Clone, Copy)]
+struct Lobes {
+    specular_reflection: f32,
+    specular_transmission: f32,
+    diffuse_reflection: f32,
+    diffuse_transmission: f32,
 }
 
 /// The vector on the other side of the sheet.
@@ -172,11 +162,11 @@ fn through(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.y, -v.z)
 }
 
-impl PrincipledThinClosure {
+impl PrincipledThinClosure<'_> {
     /// The normals of what passes: light is bent twice by the sheet, so that it is spread less the
     /// nearer the index is to one (Burley 2015, figure 15).
     #[inline]
-    fn passing(&self) -> Microfacets {
+    fn passing_normals(&self) -> Microfacets {
         self.base.microfacets(0.65 * self.eta - 0.35)
     }
 
@@ -191,58 +181,89 @@ impl PrincipledThinClosure {
     fn reflection(&self, wi: Vec3, wo: Vec3, m: Vec3) -> (Spectrum, f32) {
         let cos_d = wi.dot(m);
         let base = self.base.diffuse(wi.z, wo.z, cos_d) + self.base.sheen(wo.z, cos_d);
-        let mut value = base * self.diffuse_reflected;
-        let mut pdf = self.probabilities[2] * cosine_hemisphere::pdf(wo);
-        if self.spec_trans > 0.0 {
+        let share = (1.0 - self.base.spec_trans) * (1.0 - self.passing);
+        let mut value = base * share;
+        let lobes = self.probabilities();
+        let mut pdf = lobes.diffuse_reflection * cosine_hemisphere::pdf(wo);
+        if self.base.spec_trans > 0.0 {
             let clear = fresnel::dielectric(cos_d, self.eta).reflectance;
             let normal = self.base.hue() * normal_reflectance(self.eta);
             let tint = schlick(normal, cos_d, self.eta);
             let tint = Spectrum::splat(clear).lerp(tint, self.base.spec_tint);
             let mirror = self.base.microfacets(1.0).reflection(wi, wo, m);
-            value += tint * (self.spec_trans * mirror.value);
-            pdf += self.probabilities[0] * mirror.pdf;
+            value += tint * (self.base.spec_trans * mirror.value);
+            pdf += lobes.specular_reflection * mirror.pdf;
         }
         (value, pdf)
     }
 
     fn transmission(&self, wi: Vec3, wo: Vec3, m: Vec3) -> (Spectrum, f32) {
-        let mut value = self.base.color * (self.diffuse_transmitted * FRAC_1_PI * -wo.z);
-        let mut pdf = self.probabilities[3] * cosine_hemisphere::pdf(-wo);
+        let lobes = self.probabilities();
+        let share = (1.0 - self.base.spec_trans) * self.passing;
+        let mut value = self.base.color * (share * FRAC_1_PI * -wo.z);
+        let mut pdf = lobes.diffuse_transmission * cosine_hemisphere::pdf(-wo);
         // As in Mitsuba, nothing passes where the microfacet hides the far side.
-        if self.spec_trans > 0.0 && wo.dot(m) < 0.0 {
+        if self.base.spec_trans > 0.0 && wo.dot(m) < 0.0 {
             let share = 1.0 - fresnel::dielectric(wi.dot(m), self.eta).reflectance;
-            let mirror = self.passing().reflection(wi, through(wo), m);
-            value += self.base.color * (self.spec_trans * share * mirror.value);
-            pdf += self.probabilities[1] * mirror.pdf;
+            let mirror = self.passing_normals().reflection(wi, through(wo), m);
+            value += self.base.color * (self.base.spec_trans * share * mirror.value);
+            pdf += lobes.specular_transmission * mirror.pdf;
         }
         (value, pdf)
     }
 
+    /// The probabilities of the lobes; all zero where none is to be sampled.
+    #[inline]
+    fn probabilities(&self) -> Lobes {
+        let (rates, specular) = (self.rates, 0.5 * self.base.spec_trans);
+        let diffuse = 1.0 - self.base.spec_trans;
+        let weights = Lobes {
+            specular_reflection: specular * rates.specular_reflection,
+            specular_transmission: specular * rates.specular_transmission,
+            diffuse_reflection: diffuse * (1.0 - self.passing) * rates.diffuse_reflection,
+            diffuse_transmission: diffuse * self.passing * rates.diffuse_transmission,
+        };
+        let total = weights.specular_reflection
+            + weights.specular_transmission
+            + weights.diffuse_reflection
+            + weights.diffuse_transmission;
+        let scale = if total > 0.0 { 1.0 / total } else { 0.0 };
+        Lobes {
+            specular_reflection: weights.specular_reflection * scale,
+            specular_transmission: weights.specular_transmission * scale,
+            diffuse_reflection: weights.diffuse_reflection * scale,
+            diffuse_transmission: weights.diffuse_transmission * scale,
+        }
+    }
+
     /// A direction for `wi` above the sheet.
     fn sample_above(&self, wi: Vec3, lobe: f32, uniform: Vec2) -> Option<(Vec3, Lobe)> {
+        let lobes = self.probabilities();
         let mut remaining = lobe;
-        let chosen = self.probabilities.iter().position(|probability| {
-            let here = remaining < *probability;
+        let mut chosen = |probability: f32| {
+            let here = remaining < probability;
             remaining -= probability;
             here
-        });
-        // Rounding may leave a little after the last of them.
-        let last = self.probabilities.iter().rposition(|probability| *probability > 0.0)?;
-        let wo = match chosen.unwrap_or(last) {
-            0 => fresnel::reflect(wi, self.base.microfacets(1.0).sample(wi, uniform)),
-            1 => {
-                let m = self.passing().sample(wi, uniform);
-                let wo = through(fresnel::reflect(wi, m));
-                return (wo.z < 0.0 && wo.dot(m) < 0.0).then_some((wo, Lobe::Glossy));
-            }
-            2 => return Some((cosine_hemisphere::sample(uniform), Lobe::Diffuse)),
-            _ => return Some((-cosine_hemisphere::sample(uniform), Lobe::Diffuse)),
         };
-        (wo.z > 0.0).then_some((wo, Lobe::Glossy))
+        if chosen(lobes.specular_reflection) {
+            let wo = fresnel::reflect(wi, self.base.microfacets(1.0).sample(wi, uniform));
+            return (wo.z > 0.0).then_some((wo, Lobe::Glossy));
+        }
+        if chosen(lobes.specular_transmission) {
+            let m = self.passing_normals().sample(wi, uniform);
+            let wo = through(fresnel::reflect(wi, m));
+            return (wo.z < 0.0 && wo.dot(m) < 0.0).then_some((wo, Lobe::Glossy));
+        }
+        let wo = cosine_hemisphere::sample(uniform);
+        if chosen(lobes.diffuse_reflection) {
+            return Some((wo, Lobe::Diffuse));
+        }
+        // What rounding leaves has no density where there is no such lobe, and fails.
+        Some((-wo, Lobe::Diffuse))
     }
 }
 
-impl Closure for PrincipledThinClosure {
+impl Closure for PrincipledThinClosure<'_> {
     #[inline(never)]
     fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
         if wi.z == 0.0 || wo.z == 0.0 {
