@@ -10,6 +10,7 @@ mod bsdf;
 mod emitter;
 mod integrator;
 mod layers;
+mod medium;
 mod names;
 mod sensor;
 mod tables;
@@ -35,6 +36,8 @@ pub(crate) fn upgrade(
     nodes.iter_mut().for_each(names::upgrade);
     for node in nodes.iter_mut().filter(|node| versions.get(&node.span.source) == Some(&0)) {
         bsdf::old_defaults(node);
+        medium::old_defaults(node);
+        medium::old_grid(node);
     }
     // From the end, so that what is nested has been upgraded before what holds it.
     for index in (0..nodes.len()).rev() {
@@ -51,6 +54,12 @@ pub(crate) fn upgrade(
             Class::Bsdf => {
                 bsdf::upgrade(nodes, index, &mut approximations);
                 layers::upgrade(nodes, index, &mut approximations);
+            }
+            Class::Medium => medium::upgrade(&mut nodes[index], &mut approximations),
+            Class::Phase => medium::upgrade_phase(nodes, index),
+            Class::Volume => medium::upgrade_volume(nodes, index),
+            Class::Shape if versions.get(&nodes[index].span.source) == Some(&0) => {
+                medium::old_boundary(nodes, index);
             }
             _ => {}
         }

@@ -29,7 +29,10 @@ static RENAMED: &[Renamed] = &[
     // Version 0.3 and before.
     renamed(Class::Bsdf, &["lambertian"], "diffuse_reflectance", "reflectance"),
     renamed(Class::Bsdf, &["roughmetal", "roughglass"], "alpha_b", "alpha"),
+    renamed(Class::Medium, &["heterogeneous"], "density", "sigma_t"),
     // Version 0.4 and before.
+    renamed(Class::Medium, &[], "density_multiplier", "scale"),
+    renamed(Class::Medium, &[], "size_multiplier", "scale"),
     renamed(Class::Emitter, &["area", "constant"], "intensity", "radiance"),
     renamed(Class::Emitter, &["directional"], "intensity", "irradiance"),
     renamed(Class::Emitter, &["envmap"], "intensity_scale", "scale"),
@@ -80,6 +83,8 @@ static APPROXIMATED: &[Approximated] = &[
     approximated(Class::Integrator, "prb_projective", "path", "which computes no gradients"),
     approximated(Class::Integrator, "prbvolpath", "volpath", "which computes no gradients"),
     approximated(Class::Integrator, "direct_projective", "direct", "which computes no gradients"),
+    approximated(Class::Phase, "kkay", "isotropic", "which scatters evenly"),
+    approximated(Class::Phase, "microflake", "isotropic", "which scatters evenly"),
     approximated(Class::Sensor, "telecentric", "orthographic", "which has no depth of field"),
     approximated(
         Class::Sensor,
@@ -98,6 +103,7 @@ static RENAMED_PLUGINS: &[(Class, &str, &str)] = &[
     (Class::Bsdf, "roughmetal", "roughconductor"),
     (Class::Bsdf, "roughglass", "roughdielectric"),
     (Class::Bsdf, "composite", "mixturebsdf"),
+    (Class::Phase, "hgphase", "hg"),
     (Class::Texture, "ldrtexture", "bitmap"),
     (Class::Texture, "exrtexture", "bitmap"),
 ];

@@ -3,6 +3,7 @@
 mod corpus;
 mod elements;
 mod files;
+mod media;
 mod mutation;
 mod references;
 mod transforms;

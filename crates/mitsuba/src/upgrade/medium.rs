@@ -1,0 +1,187 @@
+//! Media, their phase functions and volumes.
+
+use etendue_document::{Child, Class, Node, NodeId, Parameter, SpectrumValue, Value};
+use glam::DVec3;
+
+use super::approximation::Approximations;
+use super::{find, number, take};
+
+/// The media of version 0.6 that have names, by what was measured of them.
+static PRESETS: &str = include_str!("data/media.txt");
+
+/// Upgrades one medium.
+pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
+    // Both ways to track light lead to the same picture, but for the bias of one.
+    take(node, "method");
+    take(node, "step_size");
+    if node.plugin == "homogeneous" {
+        coefficients(node, approximations);
+    }
+}
+
+/// Until version 0.6 a medium of which nothing is said is skin.
+pub(super) fn old_defaults(node: &mut Node) {
+    let stated = ["material", "sigma_s", "sigma_a", "sigma_t", "albedo"];
+    let says_nothing = stated.iter().all(|name| !has(node, name));
+    if node.class == Class::Medium && node.plugin == "homogeneous" && says_nothing {
+        let skin = parameter(node, "material", Value::String("skin1".to_owned()));
+        node.parameters.push(skin);
+    }
+}
+
+/// `sigma_s` and `sigma_a`, or a preset of both, become `sigma_t` and `albedo`.
+fn coefficients(node: &mut Node, approximations: &mut Approximations) {
+    let preset = preset(node);
+    let (stated_s, stated_a) = (constant(node, "sigma_s"), constant(node, "sigma_a"));
+    if preset.is_none() && stated_s.is_none() && stated_a.is_none() {
+        return;
+    }
+    let (preset_s, preset_a) = preset.unwrap_or_default();
+    let (scattering, absorption) = (stated_s.unwrap_or(preset_s), stated_a.unwrap_or(preset_a));
+    if has(node, "sigma_t") {
+        let message = "`sigmaT` counts: `sigmaS`, `sigmaA` and `material` are left out";
+        approximations.add(message, node.span);
+        return;
+    }
+    let extinction = scattering + absorption;
+    // Where nothing is taken from the light, any share of it is scattered.
+    let share = |index: usize| {
+        if extinction[index] > 0.0 { scattering[index] / extinction[index] } else { 0.0 }
+    };
+    let albedo = DVec3::new(share(0), share(1), share(2));
+    let added = [("sigma_t", extinction), ("albedo", albedo)]
+        .map(|(name, value)| parameter(node, name, Value::Rgb(value)));
+    node.parameters.extend(added);
+}
+
+/// Takes the name of a preset: its scattering and absorption. An unknown name stays, to be reported.
+fn preset(node: &mut Node) -> Option<(DVec3, DVec3)> {
+    let Value::String(name) = &find(node, "material")?.value else { return None };
+    let name = name.to_lowercase();
+    let lines = PRESETS.lines().filter(|line| !line.starts_with('#'));
+    let (_, numbers) =
+        lines.filter_map(|line| line.split_once(": ")).find(|(known, _)| *known == name)?;
+    let numbers: Vec<f64> = numbers.split(' ').filter_map(|word| word.parse().ok()).collect();
+    let [s0, s1, s2, a0, a1, a2] = numbers.try_into().ok()?;
+    take(node, "material");
+    Some((DVec3::new(s0, s1, s2), DVec3::new(a0, a1, a2)))
+}
+
+/// Takes a colour that is the same everywhere; others stay, to be reported.
+fn constant(node: &mut Node, name: &str) -> Option<DVec3> {
+    let value = match &find(node, name)?.value {
+        Value::Rgb(colour) => *colour,
+        Value::Spectrum(SpectrumValue::Constant(number)) => DVec3::splat(*number),
+        other => DVec3::splat(number(other)?),
+    };
+    take(node, name);
+    Some(value)
+}
+
+/// Upgrades one phase function whose children have been upgraded; new nodes come at the end.
+pub(super) fn upgrade_phase(nodes: &mut Vec<Node>, index: usize) {
+    if nodes[index].plugin == "mixturephase" {
+        mixture(nodes, index);
+    }
+}
+
+/// A mixture of any number of phase functions becomes blends of two: the first and the rest.
+fn mixture(nodes: &mut Vec<Node>, index: usize) {
+    let node = &nodes[index];
+    let Some(Parameter { value: Value::String(text), .. }) = find(node, "weights") else { return };
+    let weights: Vec<f64> = text
+        .split([',', ' '])
+        .filter_map(|word| word.parse().ok())
+        .filter(|weight: &f64| *weight >= 0.0)
+        .collect();
+    let is_phase = |child: &&Child| nodes[child.node.index()].class == Class::Phase;
+    let parts: Vec<Child> = node
+        .children
+        .iter()
+        .filter(is_phase)
+        .map(|child| Child { name: None, ..child.clone() })
+        .collect();
+    // What does not fit together stays, to be reported as unknown.
+    if weights.len() != parts.len() || parts.is_empty() {
+        return;
+    }
+    let span = node.span;
+    let mut parts = parts.into_iter().zip(weights).rev();
+    let Some((mut rest, mut sum)) = parts.next() else { return };
+    for (first, weight) in parts {
+        sum += weight;
+        let share = if sum > 0.0 { (sum - weight) / sum } else { 0.0 };
+        let mut blend = Node {
+            class: Class::Phase,
+            plugin: "blendphase".to_owned(),
+            id: None,
+            span,
+            parameters: Vec::new(),
+            children: vec![first, rest],
+        };
+        blend.parameters = vec![parameter(&blend, "weight", Value::Float(share))];
+        nodes.push(blend);
+        rest = Child { name: None, node: NodeId(nodes.len() as u32 - 1), span };
+    }
+    let Node { plugin, parameters, children, .. } = nodes[rest.node.index()].clone();
+    let node = &mut nodes[index];
+    (node.plugin, node.parameters, node.children) = (plugin, parameters, children);
+}
+
+/// Upgrades one volume whose children have been upgraded.
+pub(super) fn upgrade_volume(nodes: &mut [Node], index: usize) {
+    take(&mut nodes[index], "send_data");
+    // A cache of another volume's values.
+    if nodes[index].plugin != "volcache" {
+        return;
+    }
+    let mut nested = nodes[index].children.iter().map(|child| &nodes[child.node.index()]);
+    let Some(inner) = nested.find(|inner| inner.class == Class::Volume) else { return };
+    let Node { plugin, parameters, children, .. } = inner.clone();
+    let outer = &mut nodes[index];
+    (outer.plugin, outer.parameters, outer.children) = (plugin, parameters, children);
+}
+
+/// Until version 0.6 the box that a grid's file names always counts.
+pub(super) fn old_grid(node: &mut Node) {
+    let is_grid = node.class == Class::Volume && node.plugin == "gridvolume";
+    if is_grid && find(node, "use_grid_bbox").is_none() {
+        let own_box = parameter(node, "use_grid_bbox", Value::Boolean(true));
+        node.parameters.push(own_box);
+    }
+}
+
+/// Until version 0.6 a shape around a medium that says nothing of its surface has none.
+pub(super) fn old_boundary(nodes: &mut Vec<Node>, index: usize) {
+    let node = &nodes[index];
+    let holds = |class| node.children.iter().any(|child| nodes[child.node.index()].class == class);
+    if !holds(Class::Medium)
+        || holds(Class::Bsdf)
+        || holds(Class::Emitter)
+        || holds(Class::Subsurface)
+    {
+        return;
+    }
+    let span = node.span;
+    let surface = Node {
+        class: Class::Bsdf,
+        plugin: "null".to_owned(),
+        id: None,
+        span,
+        parameters: Vec::new(),
+        children: Vec::new(),
+    };
+    nodes.push(surface);
+    let child = Child { name: None, node: NodeId(nodes.len() as u32 - 1), span };
+    nodes[index].children.push(child);
+}
+
+fn has(node: &Node, name: &str) -> bool {
+    find(node, name).is_some()
+        || node.children.iter().any(|child| child.name.as_deref() == Some(name))
+}
+
+/// A parameter that stands for the whole node it was made from.
+fn parameter(origin: &Node, name: &str, value: Value) -> Parameter {
+    Parameter { name: name.to_owned(), original_name: name.to_owned(), value, span: origin.span }
+}
