@@ -93,6 +93,27 @@ impl Bvh {
         traverse::occluded(self, ray, primitives, Hit::NO_INSTANCE)
     }
 
+    /// As [`Bvh::intersect`] for many rays, whose hits are appended to `hits`. Per ray it is faster,
+    /// the more so the smaller the hierarchy is.
+    pub fn intersect_many<P: Primitives>(
+        &self,
+        rays: &[Ray],
+        primitives: &P,
+        hits: &mut Vec<Option<Hit>>,
+    ) {
+        traverse::many::intersect_many(self, rays, primitives, hits);
+    }
+
+    /// As [`Bvh::occluded`] for many rays; the answers are appended to `occluded`.
+    pub fn occluded_many<P: Primitives>(
+        &self,
+        rays: &[Ray],
+        primitives: &P,
+        occluded: &mut Vec<bool>,
+    ) {
+        traverse::many::occluded_many(self, rays, primitives, occluded);
+    }
+
     /// The box around everything.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {

@@ -1,6 +1,6 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
-use etendue_integrators::{Integrator, Screen, Start};
+use etendue_integrators::{CameraRay, Integrator, Radiance, Screen, Start};
 use etendue_render::{Scene, SensorSetup};
 use etendue_sampling::SamplerSpec;
 use etendue_spectrum::Spectrum;
@@ -71,22 +71,17 @@ impl SampleSource for Camera<'_> {
 
     fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
         layers.fill(0.0);
-        let pixel = UVec2::new(id.x, id.y);
-        let mut stream = self.sampler.start(pixel, id.index);
-        let (offset, weight) = self.setup.film.filter.sample(stream.next_2d());
-        let film_position = (pixel.as_vec2() + 0.5 + offset) * self.pixel_size;
-        // The numbers for the lens are passed over where there is none: drawing them costs, and what
-        // follows must not depend on it.
-        let aperture = if self.setup.sensor.has_lens() {
-            stream.next_2d()
-        } else {
-            stream.set_dimension(stream.dimension().wrapping_add(2));
-            Vec2::ZERO
-        };
-        let sensor = self.setup.sensor.sample_ray(film_position, aperture);
-        let start = Start { ray: sensor.ray, medium: self.setup.medium };
+        let (CameraRay { start, mut stream }, response) = self.start(id);
         let radiance = self.integrator.sample_within(self.scene, &start, &mut stream, layers);
-        Sample { color: radiance.color * sensor.weight, alpha: radiance.alpha, weight }
+        response.to(&radiance)
+    }
+
+    fn sample_batch(&self, ids: &[SampleId], layers: &mut [f32], samples: &mut Vec<Sample>) {
+        layers.fill(0.0);
+        let (mut rays, responses): (Vec<_>, Vec<_>) = ids.iter().map(|&id| self.start(id)).unzip();
+        let mut radiance = Vec::with_capacity(ids.len());
+        self.integrator.sample_batch(self.scene, &mut rays, layers, &mut radiance);
+        samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
     }
 
     fn has_splats(&self) -> bool {
@@ -114,5 +109,43 @@ impl SampleSource for Camera<'_> {
         let margin = self.setup.film.filter.radius() * self.pixel_size;
         let screen = Screen { sensor: &self.setup.sensor, margin };
         self.integrator.trace_particle(self.scene, screen, &mut stream, &mut deposit);
+    }
+}
+
+impl Camera<'_> {
+    /// The ray that a sample starts with, and how the camera responds to what arrives along it.
+    #[inline]
+    fn start(&self, id: SampleId) -> (CameraRay, Response) {
+        let pixel = UVec2::new(id.x, id.y);
+        let mut stream = self.sampler.start(pixel, id.index);
+        let (offset, weight) = self.setup.film.filter.sample(stream.next_2d());
+        let film_position = (pixel.as_vec2() + 0.5 + offset) * self.pixel_size;
+        // The numbers for the lens are passed over where there is none: drawing them costs, and what
+        // follows must not depend on it.
+        let aperture = if self.setup.sensor.has_lens() {
+            stream.next_2d()
+        } else {
+            stream.set_dimension(stream.dimension().wrapping_add(2));
+            Vec2::ZERO
+        };
+        let sensor = self.setup.sensor.sample_ray(film_position, aperture);
+        let start = Start { ray: sensor.ray, medium: self.setup.medium };
+        (CameraRay { start, stream }, Response { sensor: sensor.weight, filter: weight })
+    }
+}
+
+/// What becomes of the radiance that arrives along a camera ray.
+struct Response {
+    /// The sensor's response.
+    sensor: f32,
+    /// The reconstruction filter's weight.
+    filter: f32,
+}
+
+impl Response {
+    #[inline]
+    fn to(&self, radiance: &Radiance) -> Sample {
+        let color = radiance.color * self.sensor;
+        Sample { color, alpha: radiance.alpha, weight: self.filter }
     }
 }

@@ -41,6 +41,15 @@ pub trait SampleSource: Sync {
     /// Takes one sample.
     fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample;
 
+    /// Takes many samples, as [`Self::sample`] takes each, and appends them to `samples`. `layers`
+    /// has the places of all of them, one after the other.
+    fn sample_batch(&self, ids: &[SampleId], layers: &mut [f32], samples: &mut Vec<Sample>) {
+        let layer_count = self.layers().len();
+        samples.extend(ids.iter().enumerate().map(|(index, &id)| {
+            self.sample(id, &mut layers[index * layer_count..(index + 1) * layer_count])
+        }));
+    }
+
     /// Whether samples leave splats, too.
     fn has_splats(&self) -> bool {
         false

@@ -25,8 +25,6 @@ pub(crate) struct Tile {
     pub(crate) squares: ExactSums,
     /// Samples in the sums.
     pub(crate) counts: Vec<u32>,
-    /// What a sample writes its layers to.
-    layers: Vec<f32>,
     /// The sample index that every pixel's next sample has.
     pub(crate) next_sample: u32,
     pub(crate) defects: Defects,
@@ -62,7 +60,6 @@ impl Tile {
             sums: ExactSums::new(pixel_count * channel_count),
             squares: ExactSums::new(squared),
             counts: vec![0; pixel_count],
-            layers: vec![0.0; kind.layer_count],
             next_sample: kind.first_sample,
             defects: Defects::default(),
         }
@@ -119,15 +116,21 @@ impl Tile {
     ) -> u64 {
         let Region { x, y, width, height } = self.region;
         let count = end.saturating_sub(self.next_sample);
+        let mut batch = Batch::new(source.layers().len());
         for row in 0..if count > 0 { height } else { 0 } {
             for column in 0..width {
-                let pixel = row as usize * width as usize + column as usize;
-                self.render_pixel(source, pixel, [x + column, y + row], end);
                 if let Some(splats) = splats {
                     self.render_splats(source, [x + column, y + row], end, splats);
                 }
+                for index in self.next_sample..end {
+                    batch.ids.push(SampleId { index, x: x + column, y: y + row });
+                    if batch.ids.len() == BATCH_SIZE {
+                        self.take(source, &mut batch);
+                    }
+                }
             }
         }
+        self.take(source, &mut batch);
         self.next_sample += count;
         self.region.pixel_count() * u64::from(count)
     }
@@ -151,28 +154,54 @@ impl Tile {
         }
     }
 
-    fn render_pixel<S: SampleSource>(
-        &mut self,
-        source: &S,
-        pixel: usize,
-        [x, y]: [u32; 2],
-        end: u32,
-    ) {
-        let mut sums = self.sums.slice_mut(pixel * self.channel_count, self.channel_count);
-        let has_squares = !self.squares.is_empty();
-        for index in self.next_sample..end {
-            let id = SampleId { index, y, x };
-            let sample = source.sample(id, &mut self.layers);
-            if let Some(defect) = find_defect(&sample, &self.layers) {
-                self.defects.add(defect, id);
-                continue;
-            }
-            self.counts[pixel] += 1;
-            add(&mut sums, &sample, &self.layers);
-            if has_squares {
-                let place = pixel * SQUARED_CHANNELS;
-                add_squares(&mut self.squares.slice_mut(place, SQUARED_CHANNELS), &sample);
-            }
+    /// Takes the samples of a batch, adds them to their pixels, and empties the batch.
+    fn take<S: SampleSource>(&mut self, source: &S, batch: &mut Batch) {
+        let layer_count = batch.layer_count;
+        batch.layers.resize(batch.ids.len() * layer_count, 0.0);
+        source.sample_batch(&batch.ids, &mut batch.layers, &mut batch.samples);
+        for (place, (id, sample)) in batch.ids.drain(..).zip(batch.samples.drain(..)).enumerate() {
+            let layers = &batch.layers[place * layer_count..(place + 1) * layer_count];
+            self.add(id, &sample, layers);
+        }
+    }
+
+    fn add(&mut self, id: SampleId, sample: &Sample, layers: &[f32]) {
+        if let Some(defect) = find_defect(sample, layers) {
+            self.defects.add(defect, id);
+            return;
+        }
+        let row = (id.y - self.region.y) as usize;
+        let pixel = row * self.region.width as usize + (id.x - self.region.x) as usize;
+        self.counts[pixel] += 1;
+        let place = pixel * self.channel_count;
+        add(&mut self.sums.slice_mut(place, self.channel_count), sample, layers);
+        if !self.squares.is_empty() {
+            let place = pixel * SQUARED_CHANNELS;
+            add_squares(&mut self.squares.slice_mut(place, SQUARED_CHANNELS), sample);
+        }
+    }
+}
+
+/// How many samples are asked for at once: enough for the source to overlap their work, few enough
+/// that what it keeps of them stays in the nearest caches. From 64 to 256 there is no difference.
+const BATCH_SIZE: usize = 64;
+
+/// Samples that are taken together.
+struct Batch {
+    layer_count: usize,
+    ids: Vec<SampleId>,
+    samples: Vec<Sample>,
+    /// The layers of all samples, one after the other.
+    layers: Vec<f32>,
+}
+
+impl Batch {
+    fn new(layer_count: usize) -> Self {
+        Self {
+            layer_count,
+            ids: Vec::with_capacity(BATCH_SIZE),
+            samples: Vec::with_capacity(BATCH_SIZE),
+            layers: Vec::with_capacity(BATCH_SIZE * layer_count),
         }
     }
 }

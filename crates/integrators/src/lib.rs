@@ -82,6 +82,15 @@ impl Screen<'_> {
 /// adds to the film's mean radiance.
 pub type Deposit<'a> = dyn FnMut(Vec2, Spectrum) + 'a;
 
+/// A camera sample before it is taken.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// Where it starts.
+    pub start: Start,
+    /// The random numbers that are left.
+    pub stream: SampleStream,
+}
+
 /// A way to compute light.
 pub trait Integrator: Send + Sync {
     /// The names of the layers beside the colour, such as `albedo.R`, in the order in which
@@ -109,6 +118,22 @@ pub trait Integrator: Send + Sync {
         layers: &mut [f32],
     ) -> Radiance {
         self.sample(scene, &start.ray, stream, layers)
+    }
+
+    /// As [`Self::sample`] for many rays, with the same results, which are appended to `radiance`.
+    /// `layers` has the places of all rays, one after the other.
+    fn sample_batch(
+        &self,
+        scene: &Scene,
+        rays: &mut [CameraRay],
+        layers: &mut [f32],
+        radiance: &mut Vec<Radiance>,
+    ) {
+        let layer_count = self.layers().len();
+        radiance.extend(rays.iter_mut().enumerate().map(|(index, CameraRay { start, stream })| {
+            let layers = &mut layers[index * layer_count..(index + 1) * layer_count];
+            self.sample_within(scene, start, stream, layers)
+        }));
     }
 
     /// Whether light comes by [`Self::trace_particle`], too.

@@ -3,6 +3,7 @@
 
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, Transport};
+use etendue_render::emitter::DirectionSample;
 use etendue_render::{Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
@@ -71,6 +72,15 @@ pub(crate) fn distant(scene: &Scene, direction: Vec3, origin: &Origin) -> Spectr
     })
 }
 
+/// Light that arrives unless something stands between.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ProposedLight {
+    /// The ray that must be free.
+    pub(crate) shadow_ray: Ray,
+    /// What then goes back along the path, weighed.
+    pub(crate) radiance: Spectrum,
+}
+
 /// Next-event estimation: light straight from an emitter.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NextEvent {
@@ -89,27 +99,54 @@ impl NextEvent {
         scene: &Scene,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
-        mut random: Vec2,
+        random: Vec2,
     ) -> Spectrum {
-        let Some(choice) = scene.choose_emitter(&mut random.x) else { return Spectrum::ZERO };
-        let emitter = scene.emitter(choice.emitter);
-        let Some(light) = emitter.sample_direction(scene, surface.point, random) else {
-            return Spectrum::ZERO;
-        };
+        let proposed = sample_light(scene, surface, random)
+            .and_then(|light| self.reflect(surface, bsdf, &light));
+        match proposed {
+            Some(light) if !scene.occluded(&light.shadow_ray) => light.radiance,
+            _ => Spectrum::ZERO,
+        }
+    }
+
+    /// The share of `light` that goes back along the path, if nothing stands between.
+    #[inline(always)]
+    pub(crate) fn reflect(
+        &self,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'_>,
+        light: &DirectionSample,
+    ) -> Option<ProposedLight> {
         let wo = surface.to_local(light.direction);
         if self.strict_normals && light.direction.dot(surface.normal) * wo.z <= 0.0 {
-            return Spectrum::ZERO;
+            return None;
         }
         let (value, scatter_pdf) = bsdf.eval_pdf(surface.wi, wo, Transport::Radiance);
         let contribution = value * light.radiance;
-        if contribution.is_black() || scene.occluded(&light.shadow_ray(surface)) {
-            return Spectrum::ZERO;
+        if contribution.is_black() {
+            return None;
         }
-        let pdf = light.pdf * choice.probability;
         let other = scatter_pdf * self.scatter_ratio;
-        let weight = if light.delta { 1.0 } else { power_heuristic(pdf, other) };
-        contribution * (weight / pdf)
+        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, other) };
+        Some(ProposedLight {
+            shadow_ray: light.shadow_ray(surface),
+            radiance: contribution * (weight / light.pdf),
+        })
     }
+}
+
+/// Light from an emitter chosen by chance; its density is that of all emitters together.
+#[inline(always)]
+pub(crate) fn sample_light(
+    scene: &Scene,
+    surface: &SurfaceInteraction,
+    mut random: Vec2,
+) -> Option<DirectionSample> {
+    let choice = scene.choose_emitter(&mut random.x)?;
+    let emitter = scene.emitter(choice.emitter);
+    let mut light = emitter.sample_direction(scene, surface.point, random)?;
+    light.pdf *= choice.probability;
+    Some(light)
 }
 
 /// What a camera ray hits first, emitters left out if they are to be hidden.

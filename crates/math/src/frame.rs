@@ -45,7 +45,7 @@ impl Frame {
         let length_squared = along.length_squared();
         // Below this the direction that is left after the subtraction is rounding noise.
         if length_squared.is_finite() && length_squared > 1e-12 * tangent.length_squared() {
-            let s = along / length_squared.sqrt();
+            let s = along * (1.0 / length_squared.sqrt());
             return Self { s, t: n.cross(s), n };
         }
         Self::from_normal(n)

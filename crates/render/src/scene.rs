@@ -180,6 +180,11 @@ impl Scene {
         self.bvh.intersect(ray, self)
     }
 
+    /// As [`Self::closest_hit`] for many rays; the hits are appended to `hits`.
+    pub fn closest_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        self.bvh.intersect_many(rays, self, hits);
+    }
+
     /// Everything that is known where `ray` has met the scene.
     #[inline(always)]
     #[must_use]
@@ -211,11 +216,24 @@ impl Scene {
         self.bvh.occluded(ray, self)
     }
 
+    /// As [`Self::occluded`] for many rays; the answers are appended to `occluded`.
+    pub fn occluded_many(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        self.bvh.occluded_many(rays, self, occluded);
+    }
+
     /// The material of a hit, resolved: reads its textures.
     #[inline(always)]
     #[must_use]
     pub fn prepare_bsdf(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
         self.materials().prepare(self.shape(surface.shape).material, self.textures(), surface)
+    }
+
+    /// Whether sampled light can be reflected at a hit: not where the material is a mirror, smooth
+    /// glass or nothing at all. What the answer leaves open, [`Bsdf::has_smooth_lobe`] decides.
+    #[inline(always)]
+    #[must_use]
+    pub fn may_reflect_emitters(&self, surface: &SurfaceInteraction) -> bool {
+        !self.materials[self.shape(surface.shape).material.index()].is_delta()
     }
 
     /// A shape.

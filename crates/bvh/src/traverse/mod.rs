@@ -2,6 +2,7 @@
 
 mod any;
 mod closest;
+pub(crate) mod many;
 pub(crate) mod ray;
 
 use crate::bvh::{Bvh, Hit};

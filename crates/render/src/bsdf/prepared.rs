@@ -139,6 +139,18 @@ materials! {
     }
 }
 
+impl Material {
+    /// Whether the material scatters into single directions only, whatever its textures say.
+    #[inline]
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        matches!(
+            self,
+            Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) | Self::Null(_)
+        )
+    }
+}
+
 /// All materials of a scene, addressed by [`MaterialId`].
 #[derive(Clone, Copy, Debug)]
 pub struct Materials<'a> {

@@ -239,6 +239,7 @@ impl Shape {
     }
 
     /// A point uniform in area.
+    #[inline(always)]
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
         match &self.geometry {
