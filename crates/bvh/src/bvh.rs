@@ -4,6 +4,7 @@ use crate::build;
 use crate::error::BuildError;
 use crate::geometry::{GeometryView, Primitives};
 use crate::instance::Instance;
+use crate::names::Names;
 use crate::node::{Custom, Node, TriangleBlock};
 use crate::options::BuildOptions;
 use crate::simd::Tier;
@@ -18,6 +19,7 @@ use etendue_math::{Bounds3, Ray};
 pub struct Bvh {
     pub(crate) nodes: Vec<Node>,
     pub(crate) blocks: Vec<TriangleBlock>,
+    pub(crate) names: Names,
     pub(crate) custom: Vec<Custom>,
     pub(crate) instances: Vec<Instance>,
     pub(crate) bounds: Bounds3,
@@ -66,12 +68,21 @@ impl Bvh {
 
     pub(crate) fn from_parts(
         nodes: Vec<Node>,
-        blocks: Vec<TriangleBlock>,
+        (blocks, names): (Vec<TriangleBlock>, Names),
         (custom, instances): (Vec<Custom>, Vec<Instance>),
         bounds: Bounds3,
         triangle_count: usize,
     ) -> Self {
-        Self { nodes, blocks, custom, instances, bounds, triangle_count, tier: Tier::detect() }
+        Self {
+            nodes,
+            blocks,
+            names,
+            custom,
+            instances,
+            bounds,
+            triangle_count,
+            tier: Tier::detect(),
+        }
     }
 
     /// The nearest hit with `0 < t < ray.t_max`.
@@ -126,6 +137,7 @@ impl Bvh {
         size_of::<Self>()
             + size_of_val(self.nodes.as_slice())
             + size_of_val(self.blocks.as_slice())
+            + self.names.memory_bytes()
             + size_of_val(self.custom.as_slice())
             + size_of_val(self.instances.as_slice())
     }

@@ -56,6 +56,7 @@ mod error_bounds;
 mod geometry;
 mod instance;
 mod memory;
+mod names;
 mod node;
 mod options;
 mod simd;

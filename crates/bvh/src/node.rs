@@ -163,26 +163,21 @@ impl Node {
 
 /// A leaf of one to eight triangles; unused lanes repeat the first triangle.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
     /// The coordinates: vertex, axis, lane.
     pub(crate) vertices: [[Lanes; 3]; 3],
-    /// The geometry of each lane.
-    pub(crate) geometry: [u32; WIDTH],
-    /// The triangle of each lane.
-    pub(crate) primitive: [u32; WIDTH],
+    /// What each lane is, in [`Names`](crate::names::Names).
+    pub(crate) names: [u32; WIDTH],
 }
 
-const _: () = assert!(size_of::<TriangleBlock>() == 352);
+const _: () = assert!(size_of::<TriangleBlock>() == 320);
 const _: () = assert!(size_of::<TriangleBlock>().is_multiple_of(Child::BLOCK_UNIT));
 
 impl TriangleBlock {
     /// A block of zeros.
-    pub(crate) const EMPTY: Self = Self {
-        vertices: [[Lanes([0.0; WIDTH]); 3]; 3],
-        geometry: [u32::MAX; WIDTH],
-        primitive: [u32::MAX; WIDTH],
-    };
+    pub(crate) const EMPTY: Self =
+        Self { vertices: [[Lanes([0.0; WIDTH]); 3]; 3], names: [u32::MAX; WIDTH] };
 
     pub(crate) fn vertex(&self, vertex: usize, lane: usize) -> Vec3 {
         let [x, y, z] = &self.vertices[vertex];

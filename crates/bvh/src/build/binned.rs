@@ -5,16 +5,19 @@
 
 use super::MAX_COST_DEPTH;
 use super::collapse::{Costs, Plan};
+#[cfg(target_arch = "x86_64")]
+use super::kernel::Avx2;
+use super::kernel::{Kernel, Portable};
 use super::reference::Reference;
-use crate::memory::vector_with_capacity;
 use crate::node::WIDTH;
 use crate::options::BuildOptions;
+use crate::simd::Tier;
 use etendue_math::Bounds3;
-use glam::{BVec4A, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use std::ops::Range;
 
 /// A node of the binary tree and the references below it. Its left child follows it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct BinaryNode {
     min: Vec3,
     max: Vec3,
@@ -22,7 +25,7 @@ pub(super) struct BinaryNode {
     pub(super) first: u32,
     /// How many references.
     pub(super) count: u32,
-    /// The right child's place; 0 for a leaf.
+    /// How far after this node its right child is; 0 for a leaf.
     pub(super) right: u32,
     /// How the node is best converted into wide nodes.
     pub(super) plan: Plan,
@@ -34,26 +37,43 @@ impl BinaryNode {
     }
 }
 
-/// A box in SIMD registers; the fourth components mean nothing.
+/// A box in SIMD registers, its greatest corner negated so that both corners grow by the lesser;
+/// the fourth components mean nothing.
 #[derive(Clone, Copy)]
-struct Box4 {
-    min: Vec4,
-    max: Vec4,
+#[repr(C, align(32))]
+pub(super) struct Box4 {
+    pub(super) min: Vec4,
+    pub(super) negated_max: Vec4,
 }
 
 impl Box4 {
-    const EMPTY: Self =
-        Self { min: Vec4::splat(f32::INFINITY), max: Vec4::splat(f32::NEG_INFINITY) };
+    pub(super) const EMPTY: Self =
+        Self { min: Vec4::splat(f32::INFINITY), negated_max: Vec4::splat(f32::INFINITY) };
 
     #[inline(always)]
-    fn grow(&mut self, min: Vec4, max: Vec4) {
-        self.min = self.min.min(min);
-        self.max = self.max.max(max);
+    pub(super) fn of(reference: &Reference) -> Self {
+        Self { min: reference.min, negated_max: -reference.max }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_point(point: Vec4) -> Self {
+        Self { min: point, negated_max: -point }
+    }
+
+    #[inline(always)]
+    pub(super) fn grow(&mut self, other: &Self) {
+        self.min = self.min.min(other.min);
+        self.negated_max = self.negated_max.min(other.negated_max);
+    }
+
+    #[inline(always)]
+    fn extent(&self) -> Vec4 {
+        -(self.negated_max + self.min)
     }
 
     #[inline(always)]
     fn half_area(&self) -> f32 {
-        let extent = self.max - self.min;
+        let extent = self.extent();
         extent.x * (extent.y + extent.z) + extent.y * extent.z
     }
 }
@@ -70,9 +90,8 @@ impl Extent {
 
     #[inline(always)]
     fn add(&mut self, reference: &Reference) {
-        let center = reference.center();
-        self.bounds.grow(reference.min, reference.max);
-        self.centers.grow(center, center);
+        self.bounds.grow(&Box4::of(reference));
+        self.centers.grow(&Box4::of_point(reference.center()));
     }
 
     fn of(references: &[Reference]) -> Self {
@@ -82,7 +101,7 @@ impl Extent {
     }
 }
 
-const MAX_BINS: usize = 16;
+pub(super) const MAX_BINS: usize = 16;
 
 /// Ranges of more references are divided between threads.
 const PARALLEL: usize = 4096;
@@ -92,14 +111,13 @@ struct Builder {
     bin_count: usize,
     leaf_size: usize,
     node_cost: f32,
+    tier: Tier,
 }
 
-/// A part of the tree to build: its references, its places in the tree, and where they begin.
+/// A part of the tree to build: its references, and where they begin.
 struct Task<'a> {
     references: &'a mut [Reference],
     first: usize,
-    nodes: &'a mut [BinaryNode],
-    place: usize,
     extent: Extent,
     depth: usize,
 }
@@ -111,36 +129,41 @@ pub(super) struct Finished {
     pub(super) custom_count: usize,
 }
 
-/// Builds the tree and orders the references by its leaves. The root is first; places of no node
-/// lie between. Also says what the tree costs, in half areas times blocks.
+/// Builds the tree and orders the references by its leaves. The root is first. Also says what the
+/// tree costs, in half areas times blocks.
 pub(super) fn build(
     references: &mut [Reference],
     options: &BuildOptions,
 ) -> (Vec<BinaryNode>, f32) {
+    let mut nodes = Vec::new();
     if references.is_empty() {
-        return (Vec::new(), 0.0);
+        return (nodes, 0.0);
     }
-    let mut nodes = vector_with_capacity(2 * references.len() - 1);
-    nodes.resize(2 * references.len() - 1, BinaryNode::default());
     let builder = Builder {
         bin_count: (options.bin_count as usize).clamp(2, MAX_BINS),
         leaf_size: (options.leaf_size as usize).clamp(1, WIDTH),
         node_cost: options.node_cost,
+        tier: Tier::detect(),
     };
     let extent = Extent::of(references);
-    let root = Task { references, first: 0, nodes: &mut nodes, place: 0, extent, depth: 0 };
-    let cost = builder.build(root).costs.single();
+    let root = Task { references, first: 0, extent, depth: 0 };
+    let cost = builder.build(root, &mut nodes).costs.single();
     (nodes, cost)
 }
 
 impl Builder {
-    fn build(&self, task: Task<'_>) -> Finished {
-        let Task { references, first, nodes, place, extent, depth } = task;
-        let count = references.len();
-        let (node, below) = nodes.split_first_mut().expect("a task has a place for its root");
-        node.min = extent.bounds.min.truncate();
-        node.max = extent.bounds.max.truncate();
-        (node.first, node.count) = (first as u32, count as u32);
+    /// Appends the part to `nodes`. The recursion is as deep as the tree, which is bounded.
+    fn build(&self, task: Task<'_>, nodes: &mut Vec<BinaryNode>) -> Finished {
+        let Task { references, first, extent, depth } = task;
+        let (count, place) = (references.len(), nodes.len());
+        nodes.push(BinaryNode {
+            min: extent.bounds.min.truncate(),
+            max: -extent.bounds.negated_max.truncate(),
+            first: first as u32,
+            count: count as u32,
+            right: 0,
+            plan: Plan::default(),
+        });
         let area = extent.bounds.half_area();
         let few = if count <= self.leaf_size { &*references } else { &[] };
         let custom_count = few.iter().filter(|reference| reference.is_custom()).count();
@@ -148,30 +171,21 @@ impl Builder {
             return Finished { costs: Costs::leaf(area), custom_count };
         }
         let (middle, [left_extent, right_extent]) = self.split(references, &extent, depth);
-        let (left_references, right_references) = references.split_at_mut(middle);
-        let (left_nodes, right_nodes) = below.split_at_mut(2 * middle - 1);
-        let right_place = place + 2 * middle;
-        node.right = right_place as u32;
-        let left = Task {
-            references: left_references,
-            first,
-            nodes: left_nodes,
-            place: place + 1,
-            extent: left_extent,
-            depth: depth + 1,
-        };
-        let right = Task {
-            references: right_references,
-            first: first + middle,
-            nodes: right_nodes,
-            place: right_place,
-            extent: right_extent,
-            depth: depth + 1,
-        };
-        let (left, right) = if count > PARALLEL {
-            rayon::join(|| self.build(left), || self.build(right))
+        let (left, right) = references.split_at_mut(middle);
+        let depth = depth + 1;
+        let left = Task { references: left, first, extent: left_extent, depth };
+        let right = Task { references: right, first: first + middle, extent: right_extent, depth };
+        let (left, right, right_place) = if count > PARALLEL {
+            let mut right_nodes = Vec::new();
+            let (left, right) =
+                rayon::join(|| self.build(left, nodes), || self.build(right, &mut right_nodes));
+            let right_place = nodes.len();
+            nodes.append(&mut right_nodes);
+            (left, right, right_place)
         } else {
-            (self.build(left), self.build(right))
+            let left = self.build(left, nodes);
+            let right_place = nodes.len();
+            (left, self.build(right, nodes), right_place)
         };
         let custom_count = left.custom_count + right.custom_count;
         let (costs, plan) = Costs::combine(
@@ -180,7 +194,8 @@ impl Builder {
             self.node_cost,
             (count, custom_count),
         );
-        node.plan = plan;
+        nodes[place].right = (right_place - place) as u32;
+        nodes[place].plan = plan;
         Finished { costs, custom_count }
     }
 
@@ -191,12 +206,39 @@ impl Builder {
         extent: &Extent,
         depth: usize,
     ) -> (usize, [Extent; 2]) {
+        #[cfg(target_arch = "x86_64")]
+        if self.tier == Tier::Avx2 {
+            // SAFETY: `Tier::detect` has found that the machine has these instructions.
+            return unsafe { self.split_avx2(references, extent, depth) };
+        }
+        self.split_by::<Portable>(references, extent, depth)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    fn split_avx2(
+        &self,
+        references: &mut [Reference],
+        extent: &Extent,
+        depth: usize,
+    ) -> (usize, [Extent; 2]) {
+        self.split_by::<Avx2>(references, extent, depth)
+    }
+
+    #[inline(always)]
+    fn split_by<K: Kernel>(
+        &self,
+        references: &mut [Reference],
+        extent: &Extent,
+        depth: usize,
+    ) -> (usize, [Extent; 2]) {
         if let [left, right] = references {
             return (1, [*left, *right].map(|reference| Extent::of(&[reference])));
         }
-        let split = (depth < MAX_COST_DEPTH).then(|| self.find_split(references, extent)).flatten();
+        let split =
+            (depth < MAX_COST_DEPTH).then(|| self.find_split::<K>(references, extent)).flatten();
         if let Some(split) = split {
-            return partition(references, &split);
+            return partition::<K>(references, &split);
         }
         // No plane parts the centres, or the tree is too deep: halve.
         let middle = references.len() / 2;
@@ -205,16 +247,18 @@ impl Builder {
     }
 
     /// The cheapest of the planes between bins, if any parts the centres.
-    fn find_split(&self, references: &[Reference], extent: &Extent) -> Option<Split> {
+    #[inline(always)]
+    fn find_split<K: Kernel>(&self, references: &[Reference], extent: &Extent) -> Option<Split> {
         // A bin for every few references is enough, and small ranges are by far the most.
         let count = (4 + references.len() / 4).min(self.bin_count);
         let binning = Binning::new(extent, count);
         let mut bins = Bins::new(count);
         for reference in references {
-            let [x, y, z] = binning.bins(reference);
-            bins.add(0, x, reference);
-            bins.add(1, y, reference);
-            bins.add(2, z, reference);
+            let places = binning.bins(reference);
+            K::add(&mut bins.boxes, places, reference);
+            for (counts, place) in bins.counts.iter_mut().zip(places) {
+                counts[place] += 1;
+            }
         }
         let mut best = None;
         let mut least = f32::INFINITY;
@@ -256,7 +300,7 @@ const TO_LOW_BITS: f32 = 8_388_608.0;
 
 impl Binning {
     fn new(extent: &Extent, count: usize) -> Self {
-        let size = extent.centers.max - extent.centers.min;
+        let size = extent.centers.extent();
         let scale = Vec4::splat(count as f32 - 1.0) / size;
         // An axis on which the centres agree, or are so near or far that it overflows, is flat.
         let usable = size.cmpgt(Vec4::ZERO) & scale.cmplt(Vec4::splat(f32::MAX));
@@ -291,7 +335,7 @@ impl Bins {
     /// `count` empty bins on each axis, and more that are not used.
     fn new(count: usize) -> Self {
         let mut bins = Self {
-            boxes: [[Box4 { min: Vec4::ZERO, max: Vec4::ZERO }; MAX_BINS]; 3],
+            boxes: [[Box4 { min: Vec4::ZERO, negated_max: Vec4::ZERO }; MAX_BINS]; 3],
             counts: [[0; MAX_BINS]; 3],
         };
         for axis in 0..3 {
@@ -300,26 +344,22 @@ impl Bins {
         bins
     }
 
-    #[inline(always)]
-    fn add(&mut self, axis: usize, bin: usize, reference: &Reference) {
-        self.boxes[axis][bin].grow(reference.min, reference.max);
-        self.counts[axis][bin] += 1;
-    }
-
     /// The box of everything in some bins.
+    #[inline(always)]
     fn bounds(&self, axis: usize, bins: Range<usize>) -> Box4 {
         let mut bounds = Box4::EMPTY;
-        self.boxes[axis][bins].iter().for_each(|bin| bounds.grow(bin.min, bin.max));
+        self.boxes[axis][bins].iter().for_each(|bin| bounds.grow(bin));
         bounds
     }
 
     /// The first bin of the right side, and the cost; infinite if no plane parts the references.
+    #[inline(always)]
     fn best_plane(&self, axis: usize, count: usize) -> (usize, f32) {
         let mut right_costs = [f32::INFINITY; MAX_BINS];
         let (mut bounds, mut total) = (Box4::EMPTY, 0);
         for bin in (1..count).rev() {
             let of_bin = &self.boxes[axis][bin];
-            bounds.grow(of_bin.min, of_bin.max);
+            bounds.grow(of_bin);
             total += self.counts[axis][bin];
             if total > 0 {
                 right_costs[bin] = bounds.half_area() * total as f32;
@@ -329,7 +369,7 @@ impl Bins {
         let (mut bounds, mut total) = (Box4::EMPTY, 0);
         for (plane, &right_cost) in right_costs.iter().enumerate().take(count).skip(1) {
             let of_bin = &self.boxes[axis][plane - 1];
-            bounds.grow(of_bin.min, of_bin.max);
+            bounds.grow(of_bin);
             total += self.counts[axis][plane - 1];
             if total > 0 {
                 let cost = bounds.half_area() * total as f32 + right_cost;
@@ -347,23 +387,21 @@ impl Bins {
 /// Without a branch on the side, which could not be foretold: a reference of the right side is
 /// swapped with another of its side, and the boxes of the centres grow by nothing. That took a
 /// third off the build.
-fn partition(references: &mut [Reference], split: &Split) -> (usize, [Extent; 2]) {
-    let [mut left_centers, mut right_centers] = [Box4::EMPTY; 2];
+#[inline(always)]
+fn partition<K: Kernel>(references: &mut [Reference], split: &Split) -> (usize, [Extent; 2]) {
+    let mut centers = K::no_centers();
     let mut left = 0;
     for index in 0..references.len() {
         let reference = references[index];
         let center = reference.center();
         let is_left = split.binning.bin(center[split.axis], split.axis) < split.plane;
-        let mask = BVec4A::splat(is_left);
-        left_centers.min = left_centers.min.min(Vec4::select(mask, center, Box4::EMPTY.min));
-        left_centers.max = left_centers.max.max(Vec4::select(mask, center, Box4::EMPTY.max));
-        right_centers.min = right_centers.min.min(Vec4::select(mask, Box4::EMPTY.min, center));
-        right_centers.max = right_centers.max.max(Vec4::select(mask, Box4::EMPTY.max, center));
+        centers = K::grow_side(centers, center, is_left);
         references[index] = references[left];
         references[left] = reference;
         left += usize::from(is_left);
     }
+    let centers = K::boxes(centers);
     let [left_bounds, right_bounds] = split.bounds;
-    let left_extent = Extent { bounds: left_bounds, centers: left_centers };
-    (left, [left_extent, Extent { bounds: right_bounds, centers: right_centers }])
+    let left_extent = Extent { bounds: left_bounds, centers: centers[0] };
+    (left, [left_extent, Extent { bounds: right_bounds, centers: centers[1] }])
 }

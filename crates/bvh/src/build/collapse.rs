@@ -10,6 +10,7 @@ use super::reference::Reference;
 use crate::error_bounds::padded;
 use crate::geometry::GeometryView;
 use crate::memory::vector_with_capacity;
+use crate::names::Names;
 use crate::node::{Child, Custom, Node, TriangleBlock, WIDTH};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -134,7 +135,7 @@ impl Wide {
         // Where areas overflow or vanish no plan is better than none, and the node would be its own
         // child.
         if children == [binary] {
-            children = vec![binary + 1, tree[binary].right as usize];
+            children = vec![binary + 1, binary + tree[binary].right as usize];
         }
         for (slot, &child) in children.iter().enumerate() {
             let node = &tree[child];
@@ -172,13 +173,14 @@ impl Wide {
         &self,
         references: &[Reference],
         geometries: &[GeometryView<'_>],
+        names: &Names,
     ) -> Vec<TriangleBlock> {
         let mut blocks = vector_with_capacity(self.block_ranges.len());
         self.block_ranges
             .par_iter()
             .map(|&(first, count)| {
                 let references = &references[first as usize..(first + count) as usize];
-                fill_block(references, geometries)
+                fill_block(references, geometries, names)
             })
             .collect_into_vec(&mut blocks);
         blocks
@@ -198,10 +200,14 @@ fn distribute(tree: &[BinaryNode], binary: usize, children: usize, into: &mut Ve
     }
     let to_left = node.plan.left_share(children);
     distribute(tree, binary + 1, to_left, into);
-    distribute(tree, node.right as usize, children - to_left, into);
+    distribute(tree, binary + node.right as usize, children - to_left, into);
 }
 
-fn fill_block(references: &[Reference], geometries: &[GeometryView<'_>]) -> TriangleBlock {
+fn fill_block(
+    references: &[Reference],
+    geometries: &[GeometryView<'_>],
+    names: &Names,
+) -> TriangleBlock {
     let mut block = TriangleBlock::EMPTY;
     for lane in 0..WIDTH {
         let reference = references.get(lane).unwrap_or(&references[0]);
@@ -218,8 +224,7 @@ fn fill_block(references: &[Reference], geometries: &[GeometryView<'_>]) -> Tria
                 block.vertices[vertex][axis].0[lane] = corner[axis];
             }
         }
-        block.geometry[lane] = geometry;
-        block.primitive[lane] = primitive;
+        block.names[lane] = names.name(geometry, primitive);
     }
     block
 }

@@ -2,6 +2,7 @@
 
 mod binned;
 mod collapse;
+mod kernel;
 mod presplit;
 mod reference;
 
@@ -10,6 +11,7 @@ use crate::bvh::Bvh;
 use crate::error::BuildError;
 use crate::geometry::GeometryView;
 use crate::instance::Instance;
+use crate::names::Names;
 use crate::node::Child;
 use crate::options::BuildOptions;
 use etendue_math::Bounds3;
@@ -46,9 +48,16 @@ pub(crate) fn build(
     if wide.custom.len() > Child::MAX_CUSTOM_ENTRIES {
         return Err(BuildError::TooManyPrimitives);
     }
-    let blocks = wide.fill_blocks(&references, geometries);
+    let names = Names::new(geometries).ok_or(BuildError::TooManyPrimitives)?;
+    let blocks = wide.fill_blocks(&references, geometries, &names);
     let bounds = tree.first().map_or(Bounds3::EMPTY, BinaryNode::bounds);
-    Ok(Bvh::from_parts(wide.nodes, blocks, (wide.custom, instances), bounds, triangle_count))
+    Ok(Bvh::from_parts(
+        wide.nodes,
+        (blocks, names),
+        (wide.custom, instances),
+        bounds,
+        triangle_count,
+    ))
 }
 
 /// The instances in the order of the geometries.

@@ -9,8 +9,9 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// A box and what it holds. The fourth components carry the names, as bits, so that a reference is
-/// two SIMD registers.
+/// two SIMD registers, or one.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
 pub(super) struct Reference {
     /// The least corner; w: the geometry, with [`Reference::CUSTOM`].
     pub(super) min: Vec4,
@@ -26,6 +27,14 @@ impl Reference {
     const CUSTOM: u32 = 1 << 31;
     /// Set, besides, in the geometry of an instance.
     const INSTANCE: u32 = 1 << 30;
+
+    /// Stands in for a triangle that is left out.
+    const NOTHING: Self =
+        Self { min: Vec4::splat(f32::INFINITY), max: Vec4::splat(f32::NEG_INFINITY) };
+
+    fn is_nothing(&self) -> bool {
+        self.min.x == f32::INFINITY
+    }
 
     fn new(bounds: Bounds3, geometry: u32, primitive: u32) -> Self {
         Self {
@@ -113,18 +122,32 @@ fn collect_triangles(
     if u32::try_from(mesh.indices.len()).is_err() {
         return Err(BuildError::TooManyPrimitives);
     }
-    let chunks: Vec<Result<Vec<Reference>, BuildError>> = mesh
-        .indices
-        .par_chunks(CHUNK)
+    let start = references.len();
+    references.resize(start + mesh.indices.len(), Reference::NOTHING);
+    let outcomes: Vec<Result<usize, BuildError>> = references[start..]
+        .par_chunks_mut(CHUNK)
+        .zip(mesh.indices.par_chunks(CHUNK))
         .enumerate()
-        .map(|(chunk, indices)| {
-            let primitives = (chunk * CHUNK) as u32..;
-            let results = primitives.zip(indices);
-            results.filter_map(|(p, i)| triangle(geometry, p, i, mesh).transpose()).collect()
+        .map(|(chunk, (references, indices))| {
+            let mut left_out = 0;
+            for (primitive, (reference, indices)) in
+                ((chunk * CHUNK) as u32..).zip(references.iter_mut().zip(indices))
+            {
+                match triangle(geometry, primitive, indices, mesh)? {
+                    Some(triangle) => *reference = triangle,
+                    None => left_out += 1,
+                }
+            }
+            Ok(left_out)
         })
         .collect();
-    for chunk in chunks {
-        references.extend(chunk?);
+    let mut left_out = 0;
+    for outcome in outcomes {
+        left_out += outcome?;
+    }
+    if left_out > 0 {
+        let mut place = 0..;
+        references.retain(|reference| place.next() < Some(start) || !reference.is_nothing());
     }
     Ok(())
 }

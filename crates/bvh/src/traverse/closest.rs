@@ -4,6 +4,7 @@ use super::STACK_SIZE;
 use super::ray::{BoxConstants, RayConstants};
 use crate::bvh::{Bvh, Hit};
 use crate::geometry::Primitives;
+use crate::names::Names;
 use crate::node::{Child, ChildKind, Custom, Lanes, TriangleBlock, WIDTH};
 use crate::simd::Simd;
 use crate::triangle::{Candidates, Resolved, intersect_block};
@@ -36,6 +37,7 @@ struct Nearest<'a> {
     w: Lanes,
     determinant: Lanes,
     instance: u32,
+    names: &'a Names,
 }
 
 /// What is hit.
@@ -50,11 +52,11 @@ enum Found<'a> {
 
 impl<'a> Nearest<'a> {
     #[inline(always)]
-    fn new(t_max: f32, instance: u32) -> Self {
+    fn new(t_max: f32, instance: u32, names: &'a Names) -> Self {
         let none = Lanes([0.0; WIDTH]);
         // Distances are below the ray's own end, and up to that of a hit.
         let t_max = f32::from_bits(t_max.to_bits() - 1);
-        Self { t_max, found: Found::Nothing, v: none, w: none, determinant: none, instance }
+        Self { t_max, found: Found::Nothing, v: none, w: none, determinant: none, instance, names }
     }
 
     /// Takes the nearest of the lanes that were hit, all of them within `t_max`.
@@ -69,7 +71,7 @@ impl<'a> Nearest<'a> {
                 let other = rest.trailing_zeros() as usize & (WIDTH - 1);
                 rest &= rest - 1;
                 if t.0[other] < t.0[lane]
-                    || (t.0[other] == t.0[lane] && rank(block, other) < rank(block, lane))
+                    || (t.0[other] == t.0[lane] && block.names[other] < block.names[lane])
                 {
                     lane = other;
                 }
@@ -106,10 +108,11 @@ impl<'a> Nearest<'a> {
     #[cold]
     #[inline(never)]
     fn yields_to(&self, block: &TriangleBlock, lane: usize) -> bool {
-        let (geometry, primitive) = rank(block, lane);
+        let name = block.names[lane];
+        let (geometry, primitive) = self.names.resolve(name);
         match self.found {
             Found::Nothing => true,
-            Found::Lane(block, lane) => (geometry, primitive) < rank(block, lane),
+            Found::Lane(block, lane) => name < block.names[lane],
             Found::Custom(hit) => {
                 (self.instance, geometry, primitive) < (hit.instance, hit.geometry, hit.primitive)
             }
@@ -123,7 +126,7 @@ impl<'a> Nearest<'a> {
         let is_first = || match self.found {
             Found::Nothing => true,
             Found::Lane(block, lane) => {
-                let (geometry, primitive) = rank(block, lane);
+                let (geometry, primitive) = self.names.resolve(block.names[lane]);
                 rank_of(&hit) < (self.instance, geometry, primitive)
             }
             Found::Custom(old) => rank_of(&hit) < rank_of(&old),
@@ -140,23 +143,19 @@ impl<'a> Nearest<'a> {
             Found::Nothing => None,
             Found::Lane(block, lane) => {
                 let lane = lane & (WIDTH - 1);
+                let (geometry, primitive) = self.names.resolve(block.names[lane]);
                 Some(Hit {
                     t: self.t_max,
                     u: self.v.0[lane] / self.determinant.0[lane],
                     v: self.w.0[lane] / self.determinant.0[lane],
-                    geometry: block.geometry[lane],
-                    primitive: block.primitive[lane],
+                    geometry,
+                    primitive,
                     instance: self.instance,
                 })
             }
             Found::Custom(hit) => Some(hit),
         }
     }
-}
-
-/// The geometry and the triangle of a lane.
-fn rank(block: &TriangleBlock, lane: usize) -> (u32, u32) {
-    (block.geometry[lane], block.primitive[lane])
 }
 
 /// The traversal, in one piece: with the ordering of children and the stack in functions of their
@@ -176,7 +175,7 @@ pub(super) fn closest<S: Simd, P: Primitives>(
 ) -> Option<Hit> {
     let constants = RayConstants::new(ray)?;
     let boxes = BoxConstants::<S>::new(ray, &constants, &bvh.nodes);
-    let mut nearest = Nearest::new(ray.t_max, instance);
+    let mut nearest = Nearest::new(ray.t_max, instance, &bvh.names);
     let mut stack = [MaybeUninit::<Entry>::uninit(); STACK_SIZE];
     let nodes = bvh.nodes.as_ptr();
     let mut waiting = 0;
