@@ -9,7 +9,7 @@ mod shapes;
 pub use assets::Assets;
 
 use crate::bsdf::Material;
-use crate::emitter::Emitter;
+use crate::emitter::{Emitter, read_sampling_weight};
 use crate::film::FilmSpec;
 use crate::ids::{MaterialId, MediumId, TextureId};
 use crate::medium::Medium;
@@ -65,8 +65,8 @@ pub fn build_scene(
         return None;
     }
     let hash = assets.content_hash();
-    let Builder { materials, textures, media, .. } = builder;
-    Scene::new(Parts { materials, textures, media, hash, ..parts }, diagnostics)
+    let Builder { materials, textures, media, emitter_weights, .. } = builder;
+    Scene::new(Parts { materials, textures, media, emitter_weights, hash, ..parts }, diagnostics)
 }
 
 /// A 4×4 transform parameter; `None` after reporting one that has no inverse.
@@ -89,6 +89,8 @@ pub struct Builder<'a> {
     pub textures: Vec<Texture>,
     /// The media so far.
     pub media: Vec<Medium>,
+    /// How often each emitter is sampled, relative to the others.
+    emitter_weights: Vec<f32>,
     options: &'a BuildOptions,
     materials_built: HashMap<NodeId, Option<MaterialId>>,
     textures_built: HashMap<NodeId, Option<TextureId>>,
@@ -110,6 +112,7 @@ impl<'a> Builder<'a> {
             materials: Vec::new(),
             textures: Vec::new(),
             media: Vec::new(),
+            emitter_weights: Vec::new(),
             options,
             materials_built: HashMap::new(),
             textures_built: HashMap::new(),
@@ -209,10 +212,11 @@ impl<'a> Builder<'a> {
             let parameters = self.parameters(child.node);
             let emitter =
                 find(registry::EMITTERS, &parameters).and_then(|build| build(self, &parameters));
-            if emitter.is_some() {
+            if let Some(emitter) = emitter {
+                self.emitter_weights.push(read_sampling_weight(&parameters));
                 parameters.finish();
+                emitters.push(emitter);
             }
-            emitters.extend(emitter);
         }
         emitters
     }

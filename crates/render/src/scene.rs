@@ -16,7 +16,7 @@ use etendue_bvh::{
 };
 use etendue_document::{Diagnostics, Fault};
 use etendue_math::{Bounds3, Ray};
-use etendue_sampling::SamplerSpec;
+use etendue_sampling::{AliasTable, SamplerSpec};
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -46,6 +46,8 @@ pub(crate) struct Parts {
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
     pub(crate) emitters: Vec<Emitter>,
+    /// How often each emitter is sampled, relative to the others.
+    pub(crate) emitter_weights: Vec<f32>,
     pub(crate) media: Vec<Medium>,
     /// The shapes that media end at.
     pub(crate) boundaries: Vec<(ShapeId, Boundary)>,
@@ -64,6 +66,8 @@ pub struct Scene {
     materials: Vec<Material>,
     textures: Vec<Texture>,
     emitters: Vec<Emitter>,
+    /// How emitters are chosen where they are not all alike.
+    emitter_table: Option<AliasTable>,
     environments: Vec<EmitterId>,
     media: Vec<Medium>,
     /// What media end at each shape; empty where no shape has any.
@@ -126,6 +130,26 @@ pub(crate) fn build_tree(shapes: &[Shape], groups: &[Group]) -> Result<Bvh, Stri
     Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())
 }
 
+/// The table of emitters; `None` where all are alike.
+fn emitter_table(weights: &[f32], diagnostics: &Diagnostics) -> Option<AliasTable> {
+    if weights.windows(2).all(|pair| pair[0] == pair[1]) {
+        return None;
+    }
+    let table = AliasTable::new(weights).ok();
+    if table.is_none() {
+        let message = "the sampling weights of the emitters cannot be summed: all count alike";
+        diagnostics.warning(Fault::BadValue, None, message);
+    }
+    table
+}
+
+#[cold]
+fn choose_by_weight(table: &AliasTable, random: &mut f32) -> EmitterChoice {
+    let chosen = table.sample(*random);
+    *random = chosen.rest.min(1.0 - f32::EPSILON);
+    EmitterChoice { emitter: EmitterId(chosen.index as u32), probability: table.pmf(chosen.index) }
+}
+
 impl Scene {
     pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
         let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
@@ -156,6 +180,7 @@ impl Scene {
             groups: parts.groups,
             materials: parts.materials,
             textures: parts.textures,
+            emitter_table: emitter_table(&parts.emitter_weights, diagnostics),
             emitters: parts.emitters,
             environments,
             media: parts.media,
@@ -278,13 +303,16 @@ impl Scene {
         &self.environments
     }
 
-    /// Chooses an emitter, all alike; the random number is stretched for use again.
+    /// Chooses an emitter, all alike unless they say otherwise; the random number is stretched for use again.
     #[inline(always)]
     #[must_use]
     pub fn choose_emitter(&self, random: &mut f32) -> Option<EmitterChoice> {
         let count = self.emitters.len();
         if count == 0 {
             return None;
+        }
+        if let Some(table) = &self.emitter_table {
+            return Some(choose_by_weight(table, random));
         }
         let scaled = *random * count as f32;
         let index = (scaled as usize).min(count - 1);
@@ -297,7 +325,10 @@ impl Scene {
     #[must_use]
     pub fn emitter_probability(&self, emitter: EmitterId) -> f32 {
         debug_assert!(emitter.index() < self.emitters.len());
-        1.0 / self.emitters.len() as f32
+        match &self.emitter_table {
+            Some(table) => table.pmf(emitter.index()),
+            None => 1.0 / self.emitters.len() as f32,
+        }
     }
 
     /// A medium.

@@ -177,6 +177,36 @@ fn sampling_and_tracing_find_the_same_light() {
     }
 }
 
+/// Two emitters that are chosen in the proportion of their weights; a third is left to chance.
+#[test]
+fn sampling_weights_say_how_often() {
+    let light = |weight: f32| {
+        format!(
+            r#"<emitter type="point"><float name="sampling_weight" value="{weight}"/></emitter>"#
+        )
+    };
+    let scene = scene(&format!(
+        "{}{}<emitter type=\"constant\"><float name=\"sampling_weight\" value=\"0\"/></emitter>",
+        light(1.0),
+        light(3.0)
+    ));
+    let mut random = TestRng::new(1);
+    let mut counts = [0_u32; 3];
+    for _ in 0..10_000 {
+        let mut number = random.next_f32();
+        let choice = scene.choose_emitter(&mut number).expect("there are emitters");
+        assert_eq!(choice.probability, scene.emitter_probability(choice.emitter));
+        assert!((0.0..1.0).contains(&number));
+        counts[choice.emitter.0 as usize] += 1;
+    }
+    // The standard deviation of the first count is √(10,000 · ¼ · ¾) = 43.
+    assert!(counts[0].abs_diff(2500) < 4 * 43 && counts[2] == 0, "{counts:?}");
+    assert_eq!(
+        [0, 1, 2].map(|index| scene.emitter_probability(EmitterId(index))),
+        [0.25, 0.75, 0.0]
+    );
+}
+
 #[test]
 fn delta_emitters_give_what_their_formulas_say() {
     let point = scene(

@@ -2,7 +2,7 @@
 
 use super::assets::LoadedShape;
 use super::{Builder, read_transform};
-use crate::emitter::Emitter;
+use crate::emitter::{Emitter, read_sampling_weight};
 use crate::ids::{EmitterId, GroupId, MaterialId, ShapeId};
 use crate::registry;
 use crate::scene::{Parts, build_tree};
@@ -75,6 +75,7 @@ impl<'a> Builder<'a> {
         let parameters = self.parameters(child.node);
         let build = registry::find(registry::SHAPE_EMITTERS, &parameters)?;
         let emitter = build(self, &parameters, shape);
+        self.emitter_weights.push(read_sampling_weight(&parameters));
         parameters.finish();
         Some(emitter)
     }

@@ -1,6 +1,6 @@
 //! `area`: a shape that glows.
 
-use super::{DirectionSample, Target};
+use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
@@ -16,12 +16,15 @@ use glam::{Vec2, Vec3};
 pub const MANUAL: Manual = Manual {
     summary: "Makes the shape that it is nested in a diffuse light: radiance leaves its front, the same \
               in all directions. A picture on a mesh is sampled in proportion to its light.",
-    parameters: &[parameter(
-        "radiance",
-        "spectrum or texture",
-        "1",
-        "Radiance that leaves the surface, W·m⁻²·sr⁻¹.",
-    )],
+    parameters: &[
+        parameter(
+            "radiance",
+            "spectrum or texture",
+            "1",
+            "Radiance that leaves the surface, W·m⁻²·sr⁻¹.",
+        ),
+        SAMPLING_WEIGHT,
+    ],
     sample: r#"<shape type="sphere"><emitter type="area"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
 };
 

@@ -1,6 +1,6 @@
 //! `constant`: the same light from everywhere afar.
 
-use super::{DirectionSample, Target};
+use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 /// The manual page.
 pub const MANUAL: Manual = Manual {
     summary: "Surrounds the scene with the same radiance from all directions.",
-    parameters: &[parameter("radiance", "spectrum", "1", "Radiance, W·m⁻²·sr⁻¹.")],
+    parameters: &[parameter("radiance", "spectrum", "1", "Radiance, W·m⁻²·sr⁻¹."), SAMPLING_WEIGHT],
     sample: r#"<emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>"#,
 };
 

@@ -1,6 +1,6 @@
 //! `directional`: parallel light from afar.
 
-use super::{DirectionSample, Target};
+use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
@@ -24,6 +24,7 @@ pub const MANUAL: Manual = Manual {
             "",
             "Its z axis is where the light travels to, unless `direction` is given.",
         ),
+        SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="directional"><vector name="direction" x="1" y="-2" z="0.5"/></emitter>"#,
 };

@@ -1,5 +1,6 @@
 //! `directionalarea`: a shape that shines straight ahead only.
 
+use super::SAMPLING_WEIGHT;
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::manual::{Manual, parameter};
@@ -12,12 +13,15 @@ pub const MANUAL: Manual = Manual {
     summary: "Makes the shape that it is nested in a light whose every point shines along the surface's \
               normal alone. No path from the camera finds such light by chance, and none can aim for \
               it: only `ptracer` shows it.",
-    parameters: &[parameter(
-        "radiance",
-        "spectrum or texture",
-        "1",
-        "Radiant exitance: power that leaves the surface per area, W·m⁻².",
-    )],
+    parameters: &[
+        parameter(
+            "radiance",
+            "spectrum or texture",
+            "1",
+            "Radiant exitance: power that leaves the surface per area, W·m⁻².",
+        ),
+        SAMPLING_WEIGHT,
+    ],
     sample: r#"<shape type="rectangle"><emitter type="directionalarea"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
 };
 

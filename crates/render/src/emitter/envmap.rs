@@ -1,6 +1,6 @@
 //! `envmap`: a picture of the surroundings.
 
-use super::{DirectionSample, Target};
+use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
@@ -19,6 +19,15 @@ pub const MANUAL: Manual = Manual {
         parameter("filename", "string", "", "The picture: EXR, HDR, PFM, PNG, JPEG and others."),
         parameter("scale", "float", "1", "A factor on the radiance."),
         parameter("to_world", "transform", "", "Turns the surroundings."),
+        parameter(
+            "mis_compensation",
+            "boolean",
+            "false",
+            "Sample only what is brighter than the mean, and leave the rest to the materials' samples \
+             (Karlík et al. 2019): less noise for most scenes, but wrong for integrators that do not \
+             sample materials.",
+        ),
+        SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="envmap"><string name="filename" value="sample.exr"/><float name="scale" value="2"/></emitter>"#,
 };
@@ -54,11 +63,41 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<E
     let image = bitmap.to_color_image();
     let size = [image.width as usize, image.height as usize];
     let texels = image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
-    let map = EnvironmentMap::new(to_world, size, texels);
+    let compensation = match parameters.boolean("mis_compensation", false) {
+        true => Compensation::AboveMean,
+        false => Compensation::None,
+    };
+    let map = EnvironmentMap::new(to_world, size, texels, compensation);
     if map.is_none() {
         report("the picture must hold finite values of zero or more, and some light".to_owned());
     }
     map
+}
+
+/// What sampling leaves to the materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Compensation {
+    /// Nothing.
+    None,
+    /// The mean (Karlík, Šik, Vévoda, Skřivan and Křivánek, "MIS Compensation: Optimizing Sampling
+    /// Techniques in Multiple Importance Sampling", 2019).
+    AboveMean,
+}
+
+/// The weights of cells, given with the luminance and the sine of the polar angle of each; what is at
+/// most the mean gets none, unless nothing would be left.
+fn compensated(cells: &[(f32, f32)]) -> Vec<f32> {
+    let sum = |value: fn(&(f32, f32)) -> f32| {
+        cells.iter().map(|cell| f64::from(value(cell))).sum::<f64>()
+    };
+    let mean = (sum(|(luminance, sine)| luminance * sine) / sum(|(_, sine)| *sine)) as f32;
+    let weights: Vec<f32> =
+        cells.iter().map(|(luminance, sine)| (luminance - mean).max(0.0) * sine).collect();
+    // A uniform picture is its own mean, up to rounding.
+    if weights.iter().all(|weight| *weight <= 1e-6 * mean) {
+        return cells.iter().map(|(luminance, sine)| luminance * sine).collect();
+    }
+    weights
 }
 
 impl EnvironmentMap {
@@ -66,6 +105,7 @@ impl EnvironmentMap {
         to_world: Transform,
         [width, height]: [usize; 2],
         texels: Vec<[f32; 3]>,
+        compensation: Compensation,
     ) -> Option<Self> {
         if texels.iter().flatten().any(|x| !x.is_finite() || *x < 0.0) {
             return None;
@@ -74,7 +114,7 @@ impl EnvironmentMap {
             texels.iter().map(|texel| Spectrum::from_rgb(*texel).luminance()).collect();
         // Rows of cells: one less than rows of texels, as texel rows lie on the poles.
         let rows = (height - 1).max(1);
-        let mut weights = Vec::with_capacity(width * rows);
+        let mut cells = Vec::with_capacity(width * rows);
         for y in 0..rows {
             let sin_theta = ((y as f32 + 0.5) / rows as f32 * PI).sin();
             for x in 0..width {
@@ -85,10 +125,14 @@ impl EnvironmentMap {
                     below + x,
                     below + (x + 1) % width,
                 ];
-                weights
-                    .push(corners.iter().map(|corner| luminance[*corner]).sum::<f32>() * sin_theta);
+                let around = corners.iter().map(|corner| luminance[*corner]).sum::<f32>();
+                cells.push((around, sin_theta));
             }
         }
+        let weights = match compensation {
+            Compensation::None => cells.iter().map(|(around, sine)| around * sine).collect(),
+            Compensation::AboveMean => compensated(&cells),
+        };
         let distribution = Distribution2D::new(&weights, (width as u32, rows as u32)).ok()?;
         Some(Self { to_world, width, height, texels, distribution })
     }
@@ -153,7 +197,8 @@ mod tests {
     /// Red counts columns and green counts rows.
     fn counting_map() -> EnvironmentMap {
         let texels = (0..4).flat_map(|y| (0..8).map(move |x| [x as f32, y as f32, 1.0])).collect();
-        EnvironmentMap::new(Transform::IDENTITY, [8, 4], texels).expect("the map is bright")
+        EnvironmentMap::new(Transform::IDENTITY, [8, 4], texels, Compensation::None)
+            .expect("the map is bright")
     }
 
     /// Read from Mitsuba 3.9.1 for the same picture.
@@ -194,8 +239,21 @@ mod tests {
     fn dark_and_broken_pictures_are_refused() {
         for value in [0.0, f32::NAN, -1.0, f32::INFINITY] {
             assert!(
-                EnvironmentMap::new(Transform::IDENTITY, [2, 2], vec![[value; 3]; 4]).is_none()
+                EnvironmentMap::new(
+                    Transform::IDENTITY,
+                    [2, 2],
+                    vec![[value; 3]; 4],
+                    Compensation::None
+                )
+                .is_none()
             );
         }
+    }
+
+    #[test]
+    fn compensation_leaves_out_what_is_below_the_mean_but_not_everything() {
+        let cells = [(1.0, 1.0), (2.0, 0.5), (4.0, 0.5)];
+        assert_eq!(compensated(&cells), [0.0, 0.0, 1.0], "the mean is 2");
+        assert_eq!(compensated(&[(3.0, 1.0), (3.0, 0.5)]), [3.0, 1.5]);
     }
 }

@@ -19,7 +19,9 @@ pub mod spot;
 pub mod sunsky;
 
 use crate::interaction::SurfaceInteraction;
+use crate::manual::{ParameterManual, parameter};
 use crate::scene::Scene;
+use etendue_document::Parameters;
 use etendue_math::{Ray, offset_ray_origin};
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
@@ -45,6 +47,18 @@ pub enum Emitter {
     Environment(envmap::EnvironmentMap),
     /// The sky and the sun.
     SunSky(Box<sunsky::SunSky>),
+}
+
+pub(crate) const SAMPLING_WEIGHT: ParameterManual = parameter(
+    "sampling_weight",
+    "float",
+    "1",
+    "How often the light is sampled, relative to the others; 0 leaves it to chance.",
+);
+
+/// Reads how often an emitter is sampled, relative to the others.
+pub(crate) fn read_sampling_weight(parameters: &Parameters<'_>) -> f32 {
+    parameters.float_in("sampling_weight", 1.0, 0.0..=1e6) as f32
 }
 
 /// Where a shadow ray goes.

@@ -1,6 +1,6 @@
 //! `point`: a point that shines in all directions.
 
-use super::{DirectionSample, Target};
+use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
@@ -14,6 +14,7 @@ pub const MANUAL: Manual = Manual {
         parameter("intensity", "spectrum", "1", "Radiant intensity, W·sr⁻¹."),
         parameter("position", "point", "0, 0, 0", "Where it is; `to_world` may say so instead."),
         parameter("to_world", "transform", "", "Placement of the origin."),
+        SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="point"><point name="position" x="0" y="5" z="0"/><rgb name="intensity" value="10"/></emitter>"#,
 };

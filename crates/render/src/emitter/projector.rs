@@ -1,7 +1,7 @@
 //! `projector`: a point that throws a picture.
 
-use super::DirectionSample;
 use super::point::point_sample;
+use super::{DirectionSample, SAMPLING_WEIGHT};
 use crate::builder::{Builder, read_transform};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -32,6 +32,7 @@ pub const MANUAL: Manual = Manual {
         FOV,
         FOV_AXIS,
         FOCAL_LENGTH,
+        SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="projector">
     <texture name="irradiance" type="bitmap"><string name="filename" value="wood.png"/></texture>

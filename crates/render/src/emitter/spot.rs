@@ -1,7 +1,7 @@
 //! `spot`: a point that shines into a cone.
 
-use super::DirectionSample;
 use super::point::point_sample;
+use super::{DirectionSample, SAMPLING_WEIGHT};
 use crate::builder::{Builder, read_transform};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -32,6 +32,7 @@ pub const MANUAL: Manual = Manual {
         ),
         parameter("texture", "texture", "", "A picture projected into the cone."),
         parameter("to_world", "transform", "", "Placement."),
+        SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="spot"><transform name="to_world"><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, 1"/></transform><float name="cutoff_angle" value="30"/></emitter>"#,
 };

@@ -3,7 +3,7 @@
 mod model;
 mod position;
 
-use super::{DirectionSample, Target};
+use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use crate::texture::ColorSource;
@@ -50,6 +50,7 @@ pub const MANUAL: Manual = Manual {
             "The disk is darker at its rim, instead of the same all over.",
         ),
         parameter("to_world", "transform", "", "Turns the sky; `sun_direction` stays."),
+        SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="sunsky">
     <float name="turbidity" value="4"/>

@@ -51,7 +51,7 @@ pub struct Distant {
 enum Target {
     Scene,
     Point(Vec3),
-    Shape(Shape),
+    Shape(Box<Shape>),
 }
 
 /// The sphere around the scene is enlarged by this much, so that rays start outside of it.
@@ -86,7 +86,8 @@ fn read_target(builder: &Builder<'_>, parameters: &Parameters<'_>) -> Option<Tar
     let build = registry::find(registry::SHAPES, &shape)?;
     let mut geometry = build(builder.assets, &shape)?;
     geometry.prepare_sampling();
-    Some(Target::Shape(Shape { geometry, material: MaterialId(0), emitter: None }))
+    let shape = Shape { geometry, material: MaterialId(0), emitter: None };
+    Some(Target::Shape(Box::new(shape)))
 }
 
 impl Distant {
