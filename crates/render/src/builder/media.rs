@@ -38,7 +38,13 @@ impl Builder<'_> {
             return Some(Volume::constant(self.constant_color(parameters, name, default, usage)));
         };
         if self.assets.document.node(child.node).class == Class::Volume {
-            return self.volume(child.node);
+            let volume = self.volume(child.node)?;
+            if volume.channels() <= 3 {
+                return Some(volume);
+            }
+            let message = "cells with six values are no colours: they belong to `sggx`";
+            parameters.error(Fault::BadValue, name, message);
+            return None;
         }
         parameters.error(Fault::BadValue, name, "expected a number, a colour or a volume");
         None

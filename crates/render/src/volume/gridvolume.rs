@@ -346,8 +346,25 @@ impl Linear for Spectrum {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use etendue_testkit::TestRng;
+
+    /// A grid of random values, half of which are zero.
+    pub(crate) fn random_grid(size: [i32; 3], to_world: Transform) -> GridVolume {
+        let mut random = TestRng::new(9);
+        let count = size.iter().product::<i32>();
+        let values: Vec<f32> =
+            (0..count).map(|_| (2.0 * random.next_f32() - 1.0).max(0.0)).collect();
+        let file = grid_file::read(&grid_file::tests::file(size, 1, &values)).expect("a file");
+        let options = Options {
+            filter: FilterMode::Trilinear,
+            wrap: WrapMode::Clamp,
+            use_grid_bbox: false,
+            to_world: DMat4::IDENTITY,
+        };
+        GridVolume::new(file, &options, to_world)
+    }
 
     /// The grid whose value at cell x, y, z is x + 10 y + 100 z.
     fn grid(size: [i32; 3], filter: FilterMode, wrap: WrapMode) -> GridVolume {
