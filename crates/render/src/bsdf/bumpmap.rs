@@ -6,6 +6,7 @@ use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::{MaterialId, TextureId};
 use crate::manual::{Manual, parameter};
+use crate::texture::Texture;
 use etendue_document::{Fault, Parameters};
 use glam::Vec3;
 
@@ -47,6 +48,10 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
     if parameters.unnamed_child(etendue_document::Class::Texture).is_some() {
         let message = "`bumpmap` takes one texture, the height";
         parameters.diagnostics().error(Fault::BadValue, parameters.span(), message);
+    }
+    if let Some(Texture::MeshAttribute(_)) = height.map(|id| &builder.textures[id.index()]) {
+        let message = "attributes of meshes have no slope here: this `bumpmap` changes nothing";
+        parameters.diagnostics().warning(Fault::Unsupported, parameters.span(), message);
     }
     Some(BumpMap { height: height?, scale, perturbation, nested: nested?[0] })
 }
