@@ -50,18 +50,14 @@ impl FilmSums {
     ///
     /// [`EngineError::BadRegion`] if there are no pixels; [`EngineError::FilmTooLarge`] if the
     /// sums and the finished picture would take more than the job allows.
-    pub fn new(
+    pub fn new<S: SampleSource>(
         job: &Job,
-        layer_names: &[String],
+        source: &S,
         thread_count: usize,
     ) -> Result<Self, EngineError> {
-        let kind = TileKind {
-            layer_count: layer_names.len(),
-            variance: job.variance,
-            first_sample: job.first_sample,
-        };
         let tile_side = job.region.tile_side(thread_count);
-        Self::with_tiles(job.region, layer_names, kind, (tile_side, job.memory_limit))
+        let kind = kind(job, source);
+        Self::with_tiles(job.region, source.layers(), kind, (tile_side, job.memory_limit))
     }
 
     /// The same with tiles of a given side.
@@ -81,23 +77,13 @@ impl FilmSums {
         }
         let tiles = region.tiles(tile_side);
         let tiles = tiles.into_iter().map(|tile| Mutex::new(Tile::new(tile, kind))).collect();
-        Ok(Self { region, layer_names: layer_names.to_vec(), kind, tile_side, tiles, splats: None })
-    }
-
-    /// The same with room for splats, in up to `memory_limit` bytes more.
-    ///
-    /// # Errors
-    ///
-    /// [`EngineError::FilmTooLarge`] if that is too little.
-    pub(crate) fn with_splats(self, memory_limit: u64) -> Result<Self, EngineError> {
-        let splats = Splats::new(self.region, memory_limit)?;
-        Ok(Self { splats: Some(splats), ..self })
+        let splats = kind.splats.then(|| Splats::new(region));
+        Ok(Self { region, layer_names: layer_names.to_vec(), kind, tile_side, tiles, splats })
     }
 
     /// The bytes that the sums of a job and its finished picture take together.
-    pub fn memory_needed(job: &Job, layer_count: usize) -> u64 {
-        let (variance, first_sample) = (job.variance, job.first_sample);
-        memory_needed(job.region, TileKind { layer_count, variance, first_sample })
+    pub fn memory_needed<S: SampleSource>(job: &Job, source: &S) -> u64 {
+        memory_needed(job.region, kind(job, source))
     }
 
     /// Where the pixels lie in the film.
@@ -120,6 +106,7 @@ impl FilmSums {
         // long runs of tiles, whose cost may differ by a factor of ten.
         self.tiles.par_iter().with_max_len(1).for_each(|tile| {
             if go_on() {
+                let _turn = self.splats.as_ref().map(Splats::begin_turn);
                 done(lock(tile).render(source, end, self.splats.as_ref()));
             }
         });
@@ -216,8 +203,10 @@ impl FilmSums {
             let [least, most] = film.samples_per_pixel();
             least == most
         };
-        let is_same = (self.region, &self.layer_names, self.kind.variance)
-            == (other.region, &other.layer_names, other.kind.variance);
+        let sums = |film: &Self| {
+            (film.region, film.layer_names.clone(), film.kind.variance, film.kind.splats)
+        };
+        let is_same = sums(self) == sums(other);
         if !is_same || !is_even(self) || !is_even(other) {
             return Err(EngineError::OtherFilm);
         }
@@ -231,6 +220,9 @@ impl FilmSums {
         }
         for tile in self.tiles_mut() {
             tile.next_sample = first.saturating_add(count);
+        }
+        if let (Some(splats), Some(others)) = (&self.splats, &other.splats) {
+            splats.merge(others);
         }
         Ok(())
     }
@@ -276,6 +268,11 @@ impl FilmSums {
         self.kind.variance
     }
 
+    /// What particles left, if there are any.
+    pub(crate) fn splats(&self) -> Option<&Splats> {
+        self.splats.as_ref()
+    }
+
     /// The side of all tiles but those that the film's edge cuts.
     pub(crate) fn tile_side(&self) -> u32 {
         self.tile_side
@@ -301,8 +298,18 @@ impl FilmSums {
     }
 }
 
+fn kind<S: SampleSource>(job: &Job, source: &S) -> TileKind {
+    TileKind {
+        layer_count: source.layers().len(),
+        variance: job.variance,
+        splats: source.has_splats(),
+        first_sample: job.first_sample,
+    }
+}
+
 fn memory_needed(region: Region, kind: TileKind) -> u64 {
-    let sums = ExactSums::BYTES * kind.sums_per_pixel() + 4;
+    let splats = if kind.splats { Splats::BYTES_PER_PIXEL } else { 0 };
+    let sums = ExactSums::BYTES * kind.sums_per_pixel() + 4 + splats;
     let picture = 4 * kind.sums_per_pixel();
     region.pixel_count().saturating_mul(sums + picture)
 }

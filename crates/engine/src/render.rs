@@ -60,11 +60,7 @@ pub fn render_samples<S: SampleSource>(
     observer: &dyn Observer,
     cancel: &Cancel,
 ) -> Result<(FilmSums, Statistics), EngineError> {
-    let mut film = FilmSums::new(job, source.layers(), workers.thread_count())?;
-    if source.has_splats() {
-        let left = FilmSums::memory_needed(job, source.layers().len());
-        film = film.with_splats(job.memory_limit.saturating_sub(left))?;
-    }
+    let film = FilmSums::new(job, source, workers.thread_count())?;
     let statistics = add_samples(source, (&film, job.budget), workers, observer, cancel)?;
     Ok((film, statistics))
 }

@@ -1,8 +1,7 @@
 //! Light that particles leave anywhere on the film.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-use crate::EngineError;
 use crate::exact_sums::ExactSums;
 use crate::region::Region;
 
@@ -27,21 +26,42 @@ const CHANNELS: usize = 3;
 pub(crate) struct Splats {
     region: Region,
     rows: Vec<Mutex<ExactSums>>,
+    /// Shared by threads while they render a tile. Who holds it alone sees the splats of whole turns:
+    /// of those samples that the tiles count, and no others.
+    turns: RwLock<()>,
 }
 
 impl Splats {
+    /// What the splats of one pixel take in memory.
+    pub(crate) const BYTES_PER_PIXEL: u64 = CHANNELS as u64 * ExactSums::BYTES;
+
     /// Sums without splats.
-    ///
-    /// # Errors
-    /// [`EngineError::FilmTooLarge`] if they would take more than `limit` bytes.
-    pub(crate) fn new(region: Region, limit: u64) -> Result<Self, EngineError> {
-        let Region { width, height, .. } = region;
-        let bytes = region.pixel_count().saturating_mul(CHANNELS as u64 * ExactSums::BYTES);
-        if bytes > limit {
-            return Err(EngineError::FilmTooLarge { width, height, bytes, limit });
+    pub(crate) fn new(region: Region) -> Self {
+        let row = || Mutex::new(ExactSums::new(region.width as usize * CHANNELS));
+        let rows = (0..region.height).map(|_| row()).collect();
+        Self { region, rows, turns: RwLock::new(()) }
+    }
+
+    /// To be held while the samples of a tile are taken.
+    pub(crate) fn begin_turn(&self) -> RwLockReadGuard<'_, ()> {
+        self.turns.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits for the turns that have begun, and holds up the next ones.
+    pub(crate) fn pause(&self) -> RwLockWriteGuard<'_, ()> {
+        self.turns.write().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The sums row by row, each locked while it is looked at.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = MutexGuard<'_, ExactSums>> {
+        self.rows.iter().map(lock)
+    }
+
+    /// Adds the splats of another film of the same size.
+    pub(crate) fn merge(&self, other: &Self) {
+        for (mut row, other) in self.rows().zip(other.rows()) {
+            row.merge(&other);
         }
-        let row = || Mutex::new(ExactSums::new(width as usize * CHANNELS));
-        Ok(Self { region, rows: (0..height).map(|_| row()).collect() })
     }
 
     /// Adds a splat, if it lies in the region; those that are not finite are the caller's to leave out.
@@ -55,7 +75,7 @@ impl Splats {
             return;
         }
         let Some(sums) = self.rows.get(row as usize) else { return };
-        let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut sums = lock(sums);
         for (channel, value) in splat.color.into_iter().enumerate() {
             sums.add(column as usize * CHANNELS + channel, value);
         }
@@ -65,13 +85,18 @@ impl Splats {
     pub(crate) fn add_to(&self, plane: &mut [f32], channel: usize, particle_count: u64) {
         let width = self.region.width as usize;
         for (row, pixels) in self.rows.iter().zip(plane.chunks_mut(width)) {
-            let sums = row.lock().unwrap_or_else(PoisonError::into_inner);
+            let sums = lock(row);
             for (column, pixel) in pixels.iter_mut().enumerate() {
                 let sum = sums.value(column * CHANNELS + channel);
                 *pixel = (f64::from(*pixel) + sum / particle_count.max(1) as f64) as f32;
             }
         }
     }
+}
+
+/// A panic in a sample leaves whole sums: they are only added to after it.
+fn lock(row: &Mutex<ExactSums>) -> MutexGuard<'_, ExactSums> {
+    row.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
@@ -82,17 +107,12 @@ mod tests {
 
     #[test]
     fn splats_land_in_their_pixels_and_beyond_the_region_nowhere() {
-        let splats = Splats::new(REGION, 1 << 20).unwrap();
+        let splats = Splats::new(REGION);
         for (x, y) in [(4, 2), (5, 2), (1, 1), (2, 3), (2, 0), (u32::MAX, u32::MAX)] {
             splats.add(&Splat { x, y, color: [1.0, 2.0, 4.0] });
         }
         let mut plane = vec![0.5; 6];
         splats.add_to(&mut plane, 1, 8);
         assert_eq!(plane, [0.5, 0.5, 0.5, 0.5, 0.5, 0.75]);
-    }
-
-    #[test]
-    fn too_much_memory_is_an_error() {
-        assert!(matches!(Splats::new(REGION, 100), Err(EngineError::FilmTooLarge { .. })));
     }
 }

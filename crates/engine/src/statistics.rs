@@ -30,7 +30,7 @@ pub struct Defects {
 impl Defects {
     /// All samples that were left out.
     pub fn total(&self) -> u64 {
-        self.non_finite + self.negative
+        self.non_finite.saturating_add(self.negative)
     }
 
     /// Counts one more. Which ones are kept by name does not depend on the order of calls.
@@ -44,8 +44,9 @@ impl Defects {
 
     /// Adds the counts and names of another part of the picture.
     pub(crate) fn merge(&mut self, other: &Self) {
-        self.non_finite += other.non_finite;
-        self.negative += other.negative;
+        // A file may claim any number of defects.
+        self.non_finite = self.non_finite.saturating_add(other.non_finite);
+        self.negative = self.negative.saturating_add(other.negative);
         for &(id, defect) in &other.first {
             self.keep(id, defect);
         }

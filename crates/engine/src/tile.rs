@@ -37,6 +37,8 @@ pub(crate) struct TileKind {
     pub(crate) layer_count: usize,
     /// Whether squares are summed.
     pub(crate) variance: bool,
+    /// Whether samples leave splats, too, which belong to the film as a whole.
+    pub(crate) splats: bool,
     /// The index of every pixel's first sample.
     pub(crate) first_sample: u32,
 }

@@ -5,13 +5,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use etendue_engine::{
     Budget, Cancel, Channels, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums, Job,
-    Region, Sample, SampleId, SampleSource, Silent, Workers, add_samples,
+    Region, Sample, SampleId, SampleSource, Silent, Splat, Workers, add_samples,
 };
 use etendue_image::Picture;
 use etendue_spectrum::Spectrum;
 use proptest::prelude::*;
 
-/// Noise over twelve orders of magnitude, with defects now and then and a layer of both signs.
+/// Noise over twelve orders of magnitude, with defects now and then, a layer of both signs, and splats
+/// anywhere.
 struct Noise {
     layers: Vec<String>,
     /// Cancels when so many samples have been taken.
@@ -28,6 +29,18 @@ impl Noise {
 impl SampleSource for Noise {
     fn layers(&self) -> &[String] {
         &self.layers
+    }
+
+    fn has_splats(&self) -> bool {
+        true
+    }
+
+    fn splat(&self, id: SampleId, add: &mut dyn FnMut(Splat)) {
+        let sample = self.sample(id, &mut [0.0]);
+        let mixed = (id.x * 7919 + id.y * 104_729 + id.index * 31).wrapping_mul(0x9e37_79b9) >> 8;
+        let color =
+            sample.color.rgb().map(|value| f64::from(if value.is_nan() { 1.0 } else { value }));
+        add(Splat { x: REGION.x + mixed % REGION.width, y: mixed % 29, color });
     }
 
     fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
@@ -68,7 +81,7 @@ fn go_on(film: &FilmSums, end: u32, threads: usize) {
 
 /// A film whose tiles suit `tile_threads`, rendered on `threads`.
 fn part(first: u32, end: u32, [tile_threads, threads]: [usize; 2]) -> FilmSums {
-    let film = FilmSums::new(&job(first), Noise::new().layers(), tile_threads).unwrap();
+    let film = FilmSums::new(&job(first), &Noise::new(), tile_threads).unwrap();
     if end > first {
         go_on(&film, end, threads);
     }
@@ -150,7 +163,7 @@ proptest! {
     ) {
         let cancel = Cancel::new();
         let source = Noise { stop: Some((stop, cancel.clone())), ..Noise::new() };
-        let film = FilmSums::new(&job(0), source.layers(), tiles).unwrap();
+        let film = FilmSums::new(&job(0), &source, tiles).unwrap();
         let workers = Workers::new(NonZeroUsize::new(threads)).unwrap();
         let budget = Budget { samples_per_pixel: Some(COUNT), time: None };
         add_samples(&source, (&film, budget), &workers, &Silent, &cancel).unwrap();
@@ -218,11 +231,11 @@ fn a_small_file_cannot_make_the_reader_take_much_memory() {
 fn films_that_do_not_belong_together_are_not_merged() {
     let mut film = part(0, 2, [1, 1]);
     let other = Job { region: Region { x: 6, ..REGION }, ..job(2) };
-    let elsewhere = FilmSums::new(&other, Noise::new().layers(), 1).unwrap();
+    let elsewhere = FilmSums::new(&other, &Noise::new(), 1).unwrap();
     assert_eq!(film.merge(&elsewhere), Err(EngineError::OtherFilm));
-    let plain = FilmSums::new(&job(2), &[], 1).unwrap();
+    let plain = FilmSums::new(&job(2), &Noise { layers: Vec::new(), ..Noise::new() }, 1).unwrap();
     assert_eq!(film.merge(&plain), Err(EngineError::OtherFilm));
     let without = Job { variance: false, ..job(2) };
-    let without = FilmSums::new(&without, Noise::new().layers(), 1).unwrap();
+    let without = FilmSums::new(&without, &Noise::new(), 1).unwrap();
     assert_eq!(film.merge(&without), Err(EngineError::OtherFilm));
 }

@@ -215,7 +215,7 @@ fn jobs_that_cannot_be_done_are_errors() {
 fn going_on_with_a_film_is_rendering_it_at_once() {
     let source = formula(|id| grey(noise(id) * 1e3_f32.powf(noise(id) * 7.0)));
     let whole = render(&source, &job(50), 2).0.develop(ALL);
-    let film = FilmSums::new(&job(50), source.layers(), 128).unwrap();
+    let film = FilmSums::new(&job(50), &source, 128).unwrap();
     for (end, threads) in [(7, 1), (7, 2), (20, 5), (50, 2)] {
         let budget = Budget { samples_per_pixel: Some(end), time: None };
         let (workers, cancel) = (workers(threads), Cancel::new());

@@ -122,7 +122,7 @@ impl<'a> Shot<'a> {
 
     /// The bytes of memory that the film and the finished picture take; the scene has its own.
     pub fn memory_needed(&self) -> u64 {
-        FilmSums::memory_needed(&self.job, self.camera.layers().len())
+        FilmSums::memory_needed(&self.job, &self.camera)
     }
 
     /// Everything that decides the picture, by name. Sums of two renders belong together if these
@@ -170,7 +170,7 @@ impl<'a> Shot<'a> {
     ///
     /// [`Error::Engine`] if they would take too much memory.
     pub fn new_film(&self, workers: &Workers) -> Result<FilmSums, Error> {
-        Ok(FilmSums::new(&self.job, self.camera.layers(), workers.thread_count())?)
+        Ok(FilmSums::new(&self.job, &self.camera, workers.thread_count())?)
     }
 
     /// Adds samples to sums, which may hold some of an earlier run, until the budget is spent or

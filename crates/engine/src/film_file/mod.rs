@@ -12,16 +12,17 @@
 //! | length of the header | `u32` |
 //! | header | see below |
 //! | tiles | along the Morton curve of the region's tiles, see below |
+//! | splats | if there are any: row by row the sums of red, green and blue of each pixel |
 //! | checksum | 32 bytes: BLAKE3 of everything before |
 //!
 //! The header: the list of what decides the picture and the list of notes, each of pairs of texts;
 //! planned samples `u32`; seconds `f64`; region as four `u32`; first sample `u32`; samples that
-//! every pixel has at least, `u32`; side of tiles `u32`; whether there are squares, `u8`; the list
-//! of the layers' names.
+//! every pixel has at least, `u32`; side of tiles `u32`; whether there are squares and whether
+//! there are splats, `u8` each; the list of the layers' names.
 //!
 //! A tile: the index of the next sample `u32`; defects of two kinds, `u64` each; the list of the
 //! first of them, each index, y, x as `u32` and kind as `u8`; the count of each pixel `u32`; then the
-//! sums of each channel of each pixel, and the squares: the window of each as `u16`, then the two
+//! sums of each channel of each pixel, and the squares. Sums: the window of each as `u16`, then the two
 //! digits of each as `i64` (`exact_sums`).
 //!
 //! Sums of noise do not compress, so nothing is compressed.

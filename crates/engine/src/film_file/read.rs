@@ -8,6 +8,7 @@ use crate::SampleId;
 use crate::exact_sums::ExactSums;
 use crate::film_sums::FilmSums;
 use crate::region::{Region, TILE_SIDES};
+use crate::splats::Splats;
 use crate::statistics::{Defect, Defects, KEPT};
 use crate::tile::{Tile, TileKind};
 
@@ -26,6 +27,8 @@ pub struct FilmFile {
     pub layer_names: Vec<String>,
     /// Whether there are squares, for variances.
     pub variance: bool,
+    /// Whether there are splats.
+    splats: bool,
     tile_side: u32,
     header: Vec<u8>,
 }
@@ -74,6 +77,7 @@ impl FilmFile {
             samples_per_pixel: cursor.u32()?,
             tile_side: cursor.u32()?,
             variance: cursor.u8()? != 0,
+            splats: cursor.u8()? != 0,
             layer_names: cursor.list(Cursor::text)?,
             header: Vec::new(),
         };
@@ -115,6 +119,7 @@ impl FilmFile {
         let kind = TileKind {
             layer_count: self.layer_names.len(),
             variance: self.variance,
+            splats: self.splats,
             first_sample: self.first_sample,
         };
         let expected = tile_bytes(self.region.pixel_count(), kind);
@@ -135,6 +140,10 @@ impl FilmFile {
         input.hasher.update(&self.header);
         for tile in film.tiles_mut() {
             read_tile(&mut input, tile, kind)?;
+        }
+        for mut row in film.splats().into_iter().flat_map(Splats::rows) {
+            let bytes = input.read(ExactSums::BYTES * row.len() as u64)?;
+            read_sums(&mut Cursor(&bytes), &mut row, GREATEST_SPLATS)?;
         }
         let checksum = input.hasher.finalize();
         if input.left != CHECKSUM_BYTES as u64
@@ -182,6 +191,9 @@ fn read_tile(
     read_sums(&mut cursor, &mut tile.sums, given)?;
     read_sums(&mut cursor, &mut tile.squares, given)
 }
+
+/// So many splats in one pixel leave room for as many again.
+const GREATEST_SPLATS: u32 = 1 << 31;
 
 fn read_defects(bytes: &[u8], count: u32) -> Result<Vec<(SampleId, Defect)>, FilmFileError> {
     let mut cursor = Cursor(bytes);

@@ -6,6 +6,7 @@ use super::bytes::{HashingWriter, push_length, push_text};
 use super::{FilmRecord, MAGIC, VERSION};
 use crate::exact_sums::ExactSums;
 use crate::film_sums::FilmSums;
+use crate::splats::Splats;
 use crate::statistics::{Defect, Defects};
 use crate::tile::Tile;
 
@@ -24,11 +25,18 @@ impl FilmSums {
         push_length(&mut length, header.len());
         out.write(&length)?;
         out.write(&header)?;
+        // Splats are those of all tiles together: they are written while no tile is in its turn.
+        let _pause = self.splats().map(Splats::pause);
         let mut bytes = Vec::new();
         for index in 0..self.tile_count() {
             bytes.clear();
             // The lock is held while the tile is copied, and not while it is written.
             push_tile(&mut bytes, &self.tile(index));
+            out.write(&bytes)?;
+        }
+        for row in self.splats().into_iter().flat_map(Splats::rows) {
+            bytes.clear();
+            push_sums(&mut bytes, &row);
             out.write(&bytes)?;
         }
         let checksum = out.hasher.finalize();
@@ -60,6 +68,7 @@ impl FilmSums {
             bytes.extend_from_slice(&number.to_le_bytes());
         }
         bytes.push(u8::from(self.has_variance()));
+        bytes.push(u8::from(self.splats().is_some()));
         push_length(&mut bytes, self.layer_names().len());
         for name in self.layer_names() {
             push_text(&mut bytes, name);

@@ -1,0 +1,167 @@
+//! A process that dies at any point of writing a checkpoint leaves a whole one, from which the render
+//! goes on to the same picture.
+//!
+//! Each case is a process of its own: this program, started again to run `write_and_die` alone.
+#![cfg(unix)]
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+
+use std::cell::Cell;
+use std::io::{self, Write};
+use std::num::NonZeroUsize;
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use etendue::document::MemoryResources;
+use etendue::durable::{WriteStep, remove_abandoned, write_durably_with};
+use etendue::image::Picture;
+use etendue::{
+    Cancel, Content, FilmSums, RenderOptions, SceneOptions, Shot, Silent, Statistics, SumsFile,
+    Workers, load_text,
+};
+
+/// Where the second process is told what to do.
+const PLACE: &str = "ETENDUE_TEST_CHECKPOINT";
+const POINT: &str = "ETENDUE_TEST_FAULT_POINT";
+
+/// Samples in the old checkpoint, in the new one, and in the end.
+const COUNTS: [u32; 3] = [2, 3, 5];
+
+const SCENE: &str = r#"<scene version="3.0.0">
+    <sensor type="perspective">
+        <transform name="to_world"><lookat origin="0, 1, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="24"/></film>
+    </sensor>
+    <emitter type="constant"/>
+    <shape type="sphere"><bsdf type="diffuse"/></shape>
+</scene>"#;
+
+/// Where the process dies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Point {
+    /// After so many bytes have been handed over.
+    Bytes(usize),
+    /// After a step.
+    After(WriteStep),
+}
+
+/// Some places in the first piece of the file, in its middle and at its end; and every step.
+const POINTS: [Point; 9] = [
+    Point::After(WriteStep::Created),
+    Point::Bytes(1),
+    Point::Bytes(1000),
+    Point::Bytes(40_000),
+    Point::Bytes(70_000),
+    Point::After(WriteStep::Written),
+    Point::After(WriteStep::Synced),
+    Point::After(WriteStep::Renamed),
+    Point::After(WriteStep::Done),
+];
+
+fn content() -> Content {
+    let files = MemoryResources::default();
+    load_text(SCENE, PathBuf::new(), &files, &SceneOptions::default()).content.unwrap()
+}
+
+/// Goes on with a film, or a new one, to so many samples.
+fn render(content: &Content, film: Option<FilmSums>, count: u32) -> (FilmSums, Picture) {
+    let options = RenderOptions {
+        samples_per_pixel: Some(count),
+        planned_samples: Some(COUNTS[2]),
+        ..RenderOptions::default()
+    };
+    let workers = Workers::new(NonZeroUsize::new(2)).unwrap();
+    let shot = Shot::new(content, &options).unwrap();
+    let film = film.unwrap_or_else(|| shot.new_film(&workers).unwrap());
+    shot.add_samples(&film, &workers, &Silent, &Cancel::new()).unwrap();
+    let picture = shot.develop(&film, Statistics::default(), 0.0).picture;
+    (film, picture)
+}
+
+fn record(content: &Content) -> etendue::FilmRecord {
+    let options = RenderOptions { planned_samples: Some(COUNTS[2]), ..RenderOptions::default() };
+    Shot::new(content, &options).unwrap().record(1.0)
+}
+
+#[test]
+fn a_process_that_dies_anywhere_leaves_a_whole_checkpoint() {
+    let content = content();
+    let (_, expected) = render(&content, None, COUNTS[2]);
+    for (index, point) in POINTS.into_iter().enumerate() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = SumsFile::new(folder.path().join("a.checkpoint"));
+        let (film, _) = render(&content, None, COUNTS[0]);
+        file.write(&film, &record(&content)).unwrap();
+
+        let program = std::env::current_exe().unwrap();
+        let arguments = ["--exact", "write_and_die", "--include-ignored", "--test-threads", "1"];
+        let mut second = Command::new(program);
+        second.args(arguments).env(PLACE, file.path()).env(POINT, index.to_string());
+        let status = second.stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap();
+        assert_eq!(status.signal(), Some(9), "{point:?}: the second process was to be killed");
+
+        let (header, film) = file.read(1 << 30).unwrap();
+        let is_new = matches!(point, Point::After(WriteStep::Renamed | WriteStep::Done));
+        let held = if is_new { COUNTS[1] } else { COUNTS[0] };
+        assert_eq!((header.samples_per_pixel, film.samples_per_pixel()), (held, [held; 2]));
+        let (_, picture) = render(&content, Some(film), COUNTS[2]);
+        assert_eq!(picture.channels, expected.channels, "{point:?}");
+        remove_abandoned(file.path());
+        let left = std::fs::read_dir(folder.path()).unwrap().count();
+        assert_eq!(left, 1, "{point:?}: abandoned files are removed");
+    }
+}
+
+/// Goes on with the checkpoint and dies while it writes the next one.
+#[test]
+#[ignore = "the other test starts it in a process of its own, and it dies"]
+fn write_and_die() {
+    let (Ok(place), Ok(point)) = (std::env::var(PLACE), std::env::var(POINT)) else {
+        return;
+    };
+    let point = POINTS[point.parse::<usize>().unwrap()];
+    let content = content();
+    let (_, film) = SumsFile::new(&place).read(1 << 30).unwrap();
+    let (film, _) = render(&content, Some(film), COUNTS[1]);
+    let record = record(&content);
+    let write =
+        |out: &mut dyn Write| film.write(&record, &mut Fatal { out, point, written: Cell::new(0) });
+    let reached = |step: WriteStep| {
+        if point == Point::After(step) {
+            die();
+        }
+    };
+    write_durably_with(Path::new(&place), write, &reached).unwrap();
+}
+
+/// A writer that kills the process after some bytes.
+struct Fatal<'a> {
+    out: &'a mut dyn Write,
+    point: Point,
+    written: Cell<usize>,
+}
+
+impl Write for Fatal<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let before = self.written.get();
+        if let Point::Bytes(limit) = self.point
+            && before + bytes.len() >= limit
+        {
+            self.out.write_all(&bytes[..limit - before])?;
+            self.out.flush()?;
+            die();
+        }
+        self.written.set(before + bytes.len());
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// As if somebody had said `kill -9`.
+fn die() -> ! {
+    let _ = Command::new("kill").args(["-9", &std::process::id().to_string()]).status();
+    unreachable!("the signal cannot be refused")
+}

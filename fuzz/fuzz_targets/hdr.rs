@@ -1,0 +1,7 @@
+//! `cargo fuzz run hdr`: see `targets::hdr`.
+#![no_main]
+
+#[path = "../src/targets.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::hdr(bytes));
