@@ -350,6 +350,15 @@ impl Mesh {
         }
     }
 
+    /// As [`Self::sample_area`] where the mesh is a flat parallelogram without a picture.
+    #[inline(always)]
+    pub(super) fn sample_parallelogram(&self, random: Vec2) -> Option<ShapeSample> {
+        match &self.sampling {
+            Some(AreaSampling::Parallelogram(parallelogram)) => Some(parallelogram.sample(random)),
+            _ => None,
+        }
+    }
+
     /// What a light needs of [`Self::surface_point`]: no tangents.
     #[inline(always)]
     fn light_point(&self, triangle: u32, barycentric: Vec2) -> ShapeSample {

@@ -239,7 +239,6 @@ impl Shape {
     }
 
     /// A point uniform in area.
-    #[inline(always)]
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
         match &self.geometry {
@@ -256,14 +255,24 @@ impl Shape {
     #[inline(always)]
     #[must_use]
     pub fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
+        // Most lights are rectangles.
+        if let Geometry::Mesh(mesh) = &self.geometry
+            && let Some(sample) = mesh.sample_parallelogram(random)
+        {
+            return sample.seen_from(reference);
+        }
+        // Taken apart and put together again: else the rectangle's sample would go through the memory
+        // that this call writes to, too, and come back late (3 % of a render).
+        let ShapeSample { point, error, normal, shading_normal, uv, pdf } =
+            self.sample_any_direction(reference, random)?;
+        Some(ShapeSample { point, error, normal, shading_normal, uv, pdf })
+    }
+
+    #[inline(never)]
+    fn sample_any_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
         match &self.geometry {
             Geometry::Sphere(sphere) => sphere.sample_direction(reference, random),
-            _ => {
-                let mut sample = self.sample_area(random)?;
-                sample.pdf =
-                    area_to_solid_angle(sample.pdf, sample.point - reference, sample.normal)?;
-                Some(sample)
-            }
+            _ => self.sample_area(random)?.seen_from(reference),
         }
     }
 
