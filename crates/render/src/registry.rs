@@ -133,6 +133,9 @@ pub static SHAPES: &[Plugin<BuildGeometry>] = &[
     plugin("revsurface", &shape::revsurface::MANUAL, |_, p| {
         shape::revsurface::build(p).map(|surface| Geometry::RevSurface(Box::new(surface)))
     }),
+    plugin("sdfgrid", &shape::sdfgrid::MANUAL, |a, p| {
+        shape::sdfgrid::build(a, p).map(|grid| Geometry::SdfGrid(Box::new(grid)))
+    }),
     plugin("serialized", &shape::serialized::MANUAL, |a, p| {
         shape::serialized::build(a, p).map(Geometry::Mesh)
     }),

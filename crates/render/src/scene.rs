@@ -393,6 +393,7 @@ impl Scene {
                 Geometry::RevSurface(surface) => statistics.mesh_bytes += surface.memory_bytes(),
                 Geometry::LinearCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
                 Geometry::BSplineCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
+                Geometry::SdfGrid(grid) => statistics.mesh_bytes += grid.memory_bytes(),
                 Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {}
             }
         }
@@ -414,6 +415,7 @@ impl Scene {
                 let (t, s) = curve.intersect(primitive, ray)?;
                 (t, Vec2::new(s, 0.0))
             }
+            Geometry::SdfGrid(grid) => (grid.intersect(primitive, ray)?, Vec2::ZERO),
             Geometry::Mesh(_) | Geometry::Instance(_) => return None,
         };
         Some(PrimitiveHit { t, u: local.x, v: local.y })

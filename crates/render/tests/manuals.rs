@@ -51,6 +51,7 @@ fn resources() -> MemoryResources {
         .with("sample.bsdf", include_bytes!("../src/bsdf/measured/isotropic.bsdf").to_vec())
         .with("sample.serialized", serialized())
         .with("smoke.vol", volume())
+        .with("distance.vol", include_bytes!("data/distance.vol").to_vec())
         .with("sample.exr", encoded(FileFormat::Exr))
         .with("wood.png", encoded(FileFormat::Png))
 }

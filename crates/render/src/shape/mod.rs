@@ -20,6 +20,7 @@ pub mod ply;
 pub mod profile;
 pub mod rectangle;
 pub mod revsurface;
+pub mod sdfgrid;
 pub mod serialized;
 pub mod shapegroup;
 pub mod sphere;
@@ -58,6 +59,8 @@ pub enum Geometry {
     LinearCurve(Box<linearcurve::LinearCurve>),
     /// Tubes along splines.
     BSplineCurve(Box<bsplinecurve::BSplineCurve>),
+    /// A signed distance on a grid.
+    SdfGrid(Box<sdfgrid::SdfGrid>),
     /// A shape group placed in the scene.
     Instance(instance::Instance),
 }
@@ -142,7 +145,7 @@ impl Geometry {
             Self::Disk(disk) => disk.bounds(),
             Self::Cylinder(cylinder) => cylinder.bounds(),
             Self::RevSurface(surface) => surface.bounds(),
-            Self::LinearCurve(_) | Self::BSplineCurve(_) => {
+            Self::LinearCurve(_) | Self::BSplineCurve(_) | Self::SdfGrid(_) => {
                 self.primitive_boxes().into_iter().fold(Bounds3::EMPTY, Bounds3::union)
             }
             Self::Instance(instance) => instance.bounds(),
@@ -157,6 +160,7 @@ impl Geometry {
             Self::Mesh(_) | Self::Instance(_) => Vec::new(),
             Self::LinearCurve(curve) => curve.boxes(),
             Self::BSplineCurve(curve) => curve.boxes(),
+            Self::SdfGrid(grid) => grid.boxes(),
             _ => vec![self.bounds()],
         }
     }
@@ -177,6 +181,7 @@ impl Geometry {
             Self::Mesh(mesh) => mesh.triangles().len(),
             Self::LinearCurve(curve) => curve.segment_count(),
             Self::BSplineCurve(curve) => curve.segment_count(),
+            Self::SdfGrid(grid) => grid.voxel_count(),
             _ => 1,
         }
     }
@@ -199,6 +204,7 @@ impl Shape {
             Geometry::BSplineCurve(curve) => {
                 curve.surface_point(hit.primitive, ray, (hit.t, hit.u))
             }
+            Geometry::SdfGrid(grid) => grid.surface_point(hit.primitive, ray, hit.t),
             Geometry::Instance(_) => SurfacePoint::NOWHERE,
         };
         let shading = Frame::from_normal_and_tangent(surface.shading_normal, surface.dp_du);
@@ -225,7 +231,8 @@ impl Shape {
         self.geometry.bounds()
     }
 
-    /// The area of the surface; zero for instances and curves, which are not sampled as lights.
+    /// The area of the surface; zero for instances, curves and distances on a grid, which are
+    /// not sampled as lights.
     #[must_use]
     pub fn area(&self) -> f32 {
         match &self.geometry {
@@ -234,7 +241,10 @@ impl Shape {
             Geometry::Disk(disk) => disk.area(),
             Geometry::Cylinder(cylinder) => cylinder.area(),
             Geometry::RevSurface(surface) => surface.area(),
-            Geometry::LinearCurve(_) | Geometry::BSplineCurve(_) | Geometry::Instance(_) => 0.0,
+            Geometry::LinearCurve(_)
+            | Geometry::BSplineCurve(_)
+            | Geometry::SdfGrid(_)
+            | Geometry::Instance(_) => 0.0,
         }
     }
 
@@ -247,7 +257,10 @@ impl Shape {
             Geometry::Disk(disk) => Some(disk.sample_area(random)),
             Geometry::Cylinder(cylinder) => Some(cylinder.sample_area(random)),
             Geometry::RevSurface(surface) => surface.sample_area(random),
-            Geometry::LinearCurve(_) | Geometry::BSplineCurve(_) | Geometry::Instance(_) => None,
+            Geometry::LinearCurve(_)
+            | Geometry::BSplineCurve(_)
+            | Geometry::SdfGrid(_)
+            | Geometry::Instance(_) => None,
         }
     }
 

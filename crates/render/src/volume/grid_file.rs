@@ -14,20 +14,20 @@ const HEADER: usize = 48;
 
 /// The values of a file.
 #[derive(Clone, Debug)]
-pub(super) struct GridFile {
+pub(crate) struct GridFile {
     /// Cells along x, y and z; none is zero.
-    pub(super) size: [u32; 3],
+    pub(crate) size: [u32; 3],
     /// Values per cell: 1, 3 or 6.
-    pub(super) channels: usize,
+    pub(crate) channels: usize,
     /// The box that the file names; not checked.
-    pub(super) bounds: Bounds3,
+    pub(crate) bounds: Bounds3,
     /// The values of all cells.
-    pub(super) values: Vec<f32>,
+    pub(crate) values: Vec<f32>,
 }
 
 /// What is wrong with a file.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum GridError {
+pub(crate) enum GridError {
     NotAVolume,
     Truncated { expected: u64, found: usize },
     Version(u8),
@@ -39,7 +39,7 @@ pub(super) enum GridError {
 
 impl GridError {
     /// Whether the file may be right, and it is only not understood here.
-    pub(super) fn is_unsupported(&self) -> bool {
+    pub(crate) fn is_unsupported(&self) -> bool {
         matches!(self, Self::Version(_) | Self::Encoding(_) | Self::Channels(_))
     }
 }
@@ -116,7 +116,7 @@ fn half_float(bits: u16) -> f32 {
 }
 
 /// Reads a file. Sizes are checked against its length before memory is taken.
-pub(super) fn read(bytes: &[u8]) -> Result<GridFile, GridError> {
+pub(crate) fn read(bytes: &[u8]) -> Result<GridFile, GridError> {
     if !bytes.starts_with(b"VOL") {
         return Err(GridError::NotAVolume);
     }

@@ -27,6 +27,8 @@ pub(crate) struct Counts {
     /// Rays left out of `missed` and `invented`, because they graze the surface so closely, or pass
     /// so closely by the end of a segment, that the oracle's own rounding decides.
     pub(crate) undecided: u64,
+    /// A ray that counts as missed or invented, with how many crossings there are and should be.
+    pub(crate) first_difference: Option<(Ray, usize, usize)>,
 }
 
 impl Counts {
@@ -40,6 +42,7 @@ impl Counts {
         self.off += other.off;
         self.inconsistent += other.inconsistent;
         self.undecided += other.undecided;
+        self.first_difference = self.first_difference.or(other.first_difference);
     }
 
     /// Whether nothing is wrong.
@@ -144,6 +147,7 @@ impl Subject {
                 continue;
             }
             if is_decided {
+                counts.first_difference.get_or_insert((ray, found.len(), known.len()));
                 counts.missed += (known.len().saturating_sub(found.len())) as u64;
                 counts.invented += (found.len().saturating_sub(known.len())) as u64;
                 // As many, but elsewhere.
