@@ -31,9 +31,29 @@ pub(super) fn decode(
         let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
         return context.read(decoder.map_err(|error| read_error(name, error))?);
     }
+    if format == image::ImageFormat::Png {
+        check_palette(bytes)?;
+    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(decoder_limits(limits));
     context.read(reader.into_decoder().map_err(|error| read_error(name, error))?)
+}
+
+/// Refuses a PNG file whose palette does not consist of whole colours: the decoder would run past its
+/// end (found by fuzzing, version 0.18.1 of `png`).
+fn check_palette(bytes: &[u8]) -> Result<(), ImageError> {
+    /// Bytes of the signature before the first chunk.
+    const SIGNATURE: usize = 8;
+    let mut rest = bytes.get(SIGNATURE..).unwrap_or(&[]);
+    // A chunk: the length of its data, its type, the data, a checksum.
+    while let Some((&[a, b, c, d, ref kind @ ..], after)) = rest.split_first_chunk::<8>() {
+        let length = u32::from_be_bytes([a, b, c, d]) as usize;
+        if kind == b"PLTE" && !length.is_multiple_of(3) {
+            return Err(ImageError::malformed("PNG", "the palette ends within a colour"));
+        }
+        rest = after.get(length.saturating_add(4)..).unwrap_or(&[]);
+    }
+    Ok(())
 }
 
 /// What a decoder is held to.

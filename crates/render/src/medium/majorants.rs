@@ -58,7 +58,14 @@ pub struct Tracker<'a> {
     block: IVec3,
     step: IVec3,
     blocks: Option<&'a Blocks>,
+    /// Collisions that there may still be.
+    left: u32,
 }
+
+/// Collisions along one ray. A majorant far beyond all that is met, as a file with one absurd value
+/// has, would ask for as many as there are numbers: such a medium counts as empty after these, so that
+/// every ray comes to its end. Within them, a hundred thousand mean free paths are no trouble.
+const MOST_COLLISIONS: u32 = 1 << 20;
 
 /// Cells of a grid that share a bound, along each axis; more in large grids.
 const BLOCK: i32 = 4;
@@ -100,6 +107,7 @@ impl Majorants {
             block: IVec3::ZERO,
             step: IVec3::ZERO,
             blocks: None,
+            left: MOST_COLLISIONS,
         };
         if let Some(blocks) = &self.blocks
             && tracker.end > 0.0
@@ -202,6 +210,7 @@ impl<'a> Tracker<'a> {
             let exit = self.next.min_element().min(self.end);
             let depth = self.majorant * (exit - self.t);
             if rest < depth {
+                self.left = self.left.checked_sub(1)?;
                 let t = self.t + rest / self.majorant;
                 // A step too short for single precision still leads on.
                 self.t = if t > self.t { t } else { next_up(self.t) };

@@ -123,3 +123,11 @@ fn rays_that_miss_or_end_before_meet_nothing() {
     let empty = Majorants::new(&Volume::constant(Spectrum::ZERO), 1.0);
     assert_eq!(empty.track(&Ray::new(Vec3::splat(0.5), Vec3::X)).advance(0.0), None);
 }
+
+#[test]
+fn a_majorant_without_measure_comes_to_an_end() {
+    let majorants = Majorants::new(&Volume::constant(Spectrum::ONE), 1e30);
+    let mut tracker = majorants.track(&Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::Z));
+    let count = (0..2 * MOST_COLLISIONS).take_while(|_| tracker.advance(1.0).is_some()).count();
+    assert_eq!(count as u32, MOST_COLLISIONS);
+}
