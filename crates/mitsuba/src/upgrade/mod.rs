@@ -13,6 +13,7 @@ mod layers;
 mod medium;
 mod names;
 mod sensor;
+mod spectrum;
 mod tables;
 mod texture;
 
@@ -42,6 +43,7 @@ pub(crate) fn upgrade(
     // From the end, so that what is nested has been upgraded before what holds it.
     for index in (0..nodes.len()).rev() {
         tables::rename_plugin(&mut nodes[index]);
+        spectrum::inline(nodes, index);
         tables::approximate_plugin(&mut nodes[index], &mut approximations);
         match nodes[index].class {
             Class::Integrator => integrator::upgrade(nodes, index, &mut approximations),

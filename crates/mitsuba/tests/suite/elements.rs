@@ -95,12 +95,12 @@ fn spectra() {
 #[test]
 fn a_spectrum_with_a_type_is_a_texture() {
     let document = clean(
-        "<bsdf type='diffuse'><spectrum type='d65' name='reflectance'>
-            <float name='scale' value='2'/></spectrum></bsdf>",
+        "<bsdf type='diffuse'><spectrum type='rawconstant' name='reflectance'>
+            <float name='value' value='2'/></spectrum></bsdf>",
     );
     let texture = nested(&document, object(&document, 0), 0);
-    assert_eq!((texture.class, texture.plugin.as_str()), (Class::Texture, "d65"));
-    assert_eq!(value(texture, "scale"), &Value::Float(2.0));
+    assert_eq!((texture.class, texture.plugin.as_str()), (Class::Texture, "rawconstant"));
+    assert_eq!(value(texture, "value"), &Value::Float(2.0));
 }
 
 #[test]

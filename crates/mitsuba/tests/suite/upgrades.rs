@@ -2,7 +2,7 @@
 
 use etendue_document::Fault::Approximation;
 use etendue_document::Severity::{Note, Warning};
-use etendue_document::{Diagnostics, MemoryResources, Value};
+use etendue_document::{Diagnostics, MemoryResources, SpectrumValue, Value};
 use etendue_mitsuba::{LoadOptions, load_str};
 use glam::{DMat4, DVec3};
 
@@ -402,4 +402,35 @@ fn old_textures_become_the_nearest() {
     assert_eq!(value(wires, "color0"), &Value::Rgb(DVec3::splat(0.3)));
     let grey = approximated("<texture type='curvature'/>", 2);
     assert_eq!(value(object(&grey.document, 0), "color0"), &Value::Float(0.5));
+}
+
+#[test]
+fn spectra_that_are_plugins_become_values() {
+    let document = clean(
+        "<emitter type='constant'><spectrum name='radiance' type='blackbody'>
+            <float name='temperature' value='5000'/></spectrum></emitter>
+         <bsdf type='diffuse'><spectrum name='reflectance' type='regular'>
+            <float name='wavelength_min' value='400'/><float name='wavelength_max' value='700'/>
+            <string name='values' value='0.1, 0.2 0.4'/></spectrum></bsdf>
+         <bsdf type='diffuse'><spectrum name='reflectance' type='irregular'>
+            <string name='wavelengths' value='400, 650'/><string name='values' value='0.1, 0.2'/>
+            </spectrum></bsdf>
+         <emitter type='point'><spectrum name='intensity' type='d65'>
+            <rgb name='color' value='0.5'/><float name='scale' value='4'/></spectrum></emitter>
+         <bsdf type='diffuse'><spectrum name='reflectance' type='uniform'>
+            <float name='value' value='0.3'/></spectrum></bsdf>",
+    );
+    let samples = |pairs: &[(f64, f64)]| Value::Spectrum(SpectrumValue::Samples(pairs.to_vec()));
+    let expected = [
+        ("radiance", Value::Blackbody { temperature: 5000.0, scale: 1.0 }),
+        ("reflectance", samples(&[(400.0, 0.1), (550.0, 0.2), (700.0, 0.4)])),
+        ("reflectance", samples(&[(400.0, 0.1), (650.0, 0.2)])),
+        ("intensity", Value::Rgb(DVec3::splat(2.0))),
+        ("reflectance", Value::Spectrum(SpectrumValue::Constant(0.3))),
+    ];
+    for (index, (name, expected)) in expected.into_iter().enumerate() {
+        let object = object(&document, index);
+        assert_eq!(value(object, name), &expected);
+        assert!(object.children.is_empty());
+    }
 }

@@ -1,6 +1,7 @@
 //! `cargo xtask docs`: writes the reference pages from what the code says of itself.
 
 mod command_line;
+mod coverage;
 mod plugins;
 
 use clap::Args;
@@ -20,6 +21,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     let files = [
         Made { path: "docs/command-line.md", bytes: command_line::page()?.into_bytes() },
         Made { path: plugins::PATH, bytes: plugins::page().into_bytes() },
+        Made { path: coverage::PATH, bytes: coverage::page().into_bytes() },
     ];
     write_or_check(&files, Mode::from_check(arguments.check))
 }
