@@ -3,6 +3,7 @@
 use etendue_document::{Node, Parameter, Value};
 use glam::{DMat4, DVec4};
 
+use super::approximation::Approximations;
 use super::{find, number, take};
 
 /// The sky's own space in that of version 0.6, whose up is +y, with the north at −z and the east at +x.
@@ -52,6 +53,40 @@ pub(super) fn upgrade(node: &mut Node, is_old: bool) {
     };
     set(node, "to_world", Value::Transform(to_world * UP));
 }
+
+/// Makes a `timed_sunsky`, whose sun wanders, the `sunsky` of its first day, halfway through the hours.
+pub(super) fn stop_the_clock(node: &mut Node, approximations: &mut Approximations) {
+    if node.plugin != "timed_sunsky" {
+        return;
+    }
+    let message =
+        "`timed_sunsky` is rendered as `sunsky`, on its first day halfway through its hours";
+    approximations.add(message, node.span);
+    node.plugin = "sunsky".to_owned();
+    let hour =
+        |name, default| find(node, name).and_then(|time| number(&time.value)).unwrap_or(default);
+    let middle = 0.5 * (hour("window_start_time", 7.0) + hour("window_end_time", 19.0));
+    for (old, new) in [("start_year", "year"), ("start_month", "month"), ("start_day", "day")] {
+        if let Some(start) = take(node, old) {
+            set(node, new, start.value);
+        }
+    }
+    for name in TIME_PARAMETERS {
+        take(node, name);
+    }
+    set(node, "hour", Value::Float(middle));
+}
+
+/// What says when the sun of a `timed_sunsky` wanders.
+const TIME_PARAMETERS: [&str; 7] = [
+    "window_start_time",
+    "window_end_time",
+    "end_year",
+    "end_month",
+    "end_day",
+    "shutter_open",
+    "shutter_close",
+];
 
 /// Gives a parameter a value, at the place of the parameter that it replaces or of the node.
 fn set(node: &mut Node, name: &str, value: Value) {

@@ -13,6 +13,7 @@ mod layers;
 mod medium;
 mod names;
 mod sensor;
+mod shape;
 mod spectrum;
 mod tables;
 mod texture;
@@ -44,6 +45,7 @@ pub(crate) fn upgrade(
     for index in (0..nodes.len()).rev() {
         tables::rename_plugin(&mut nodes[index]);
         spectrum::inline(nodes, index);
+        shape::dissolve_merges(nodes, index);
         tables::approximate_plugin(&mut nodes[index], &mut approximations);
         match nodes[index].class {
             Class::Integrator => integrator::upgrade(nodes, index, &mut approximations),
@@ -52,6 +54,7 @@ pub(crate) fn upgrade(
             Class::Emitter => {
                 let is_old = versions.get(&nodes[index].span.source) == Some(&0);
                 emitter::upgrade(&mut nodes[index], is_old);
+                emitter::stop_the_clock(&mut nodes[index], &mut approximations);
             }
             Class::Bsdf => {
                 bsdf::upgrade(nodes, index, &mut approximations);

@@ -434,3 +434,20 @@ fn spectra_that_are_plugins_become_values() {
         assert!(object.children.is_empty());
     }
 }
+
+#[test]
+fn a_sun_that_wanders_stands_still_and_merged_shapes_stand_alone() {
+    let loaded = approximated(
+        "<emitter type='timed_sunsky'><integer name='start_year' value='2020'/>
+            <integer name='end_year' value='2021'/><float name='window_start_time' value='8'/>
+            </emitter>
+         <shape type='merge'><shape type='cube'/><shape type='sphere'/></shape>",
+        2,
+    );
+    let sky = object(&loaded.document, 0);
+    assert_eq!(sky.plugin, "sunsky");
+    assert_eq!(names(sky), ["year", "hour"]);
+    assert_eq!(value(sky, "hour"), &Value::Float(13.5));
+    let shapes: Vec<&str> = (1..3).map(|index| &*object(&loaded.document, index).plugin).collect();
+    assert_eq!(shapes, ["cube", "sphere"]);
+}

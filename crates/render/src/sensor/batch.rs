@@ -1,6 +1,6 @@
 //! `batch`: several sensors side by side on one film.
 
-use super::{FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, Sensor, SensorCommon};
+use super::{FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, Sensor, SensorCommon};
 use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::manual::{Manual, parameter};
@@ -17,6 +17,7 @@ pub const MANUAL: Manual = Manual {
         parameter("(nested)", "sensor", "", "The sensors, one or more; required."),
         SHUTTER_OPEN,
         SHUTTER_CLOSE,
+        SRF,
         FILM,
         SAMPLER,
     ],

@@ -1,7 +1,8 @@
 //! `distant`: what leaves the scene in one direction.
 
 use super::{
-    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, SensorRay, read_view, warn_of_pixels,
+    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorRay, read_view,
+    warn_of_pixels,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
@@ -26,6 +27,7 @@ pub const MANUAL: Manual = Manual {
         parameter("target", "point or shape", "", "What it looks at; all of the scene."),
         SHUTTER_OPEN,
         SHUTTER_CLOSE,
+        SRF,
         FILM,
         SAMPLER,
     ],

@@ -1,6 +1,8 @@
 //! `irradiancemeter`: what arrives on a shape.
 
-use super::{FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, SensorRay, warn_of_pixels};
+use super::{
+    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorRay, warn_of_pixels,
+};
 use crate::film::FilmSpec;
 use crate::ids::MaterialId;
 use crate::manual::Manual;
@@ -15,7 +17,7 @@ use std::f32::consts::PI;
 pub const MANUAL: Manual = Manual {
     summary: "Measures the irradiance on the shape that it is nested in, averaged over its front. Its \
               film has one pixel.",
-    parameters: &[SHUTTER_OPEN, SHUTTER_CLOSE, FILM, SAMPLER],
+    parameters: &[SHUTTER_OPEN, SHUTTER_CLOSE, SRF, FILM, SAMPLER],
     sample: r#"<shape type="rectangle">
     <sensor type="irradiancemeter">
         <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/></film>

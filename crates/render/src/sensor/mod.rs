@@ -178,6 +178,13 @@ const SHUTTER_OPEN: ParameterManual =
     parameter("shutter_open", "float", "0", "When the shutter opens. Nothing moves yet.");
 const SHUTTER_CLOSE: ParameterManual =
     parameter("shutter_close", "float", "0", "When the shutter closes.");
+const SRF: ParameterManual = parameter(
+    "srf",
+    "spectrum",
+    "",
+    "Accepted and without effect: the response of a sensor to wavelengths, where there are but three \
+     colours.",
+);
 const FILM: ParameterManual =
     parameter("(nested)", "film", "hdrfilm", "What the picture is kept on.");
 const SAMPLER: ParameterManual =
@@ -216,6 +223,7 @@ impl SensorCommon {
     }
 
     fn read_shutter(parameters: &Parameters<'_>) -> Self {
+        let _ = (parameters.value("srf"), parameters.child("srf"));
         let time = |name| parameters.float_in(name, 0.0, -MAX_VALUE..=MAX_VALUE) as f32;
         Self {
             to_world: Transform::IDENTITY,

@@ -1,7 +1,7 @@
 //! `orthographic`: parallel rays.
 
 use super::{
-    Connection, FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon,
+    Connection, FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
     TO_WORLD,
 };
 use crate::builder::Builder;
@@ -15,7 +15,7 @@ use glam::{DMat4, DVec3, DVec4, Vec2, Vec3};
 pub const MANUAL: Manual = Manual {
     summary: "A camera without perspective. It sees the square from -1 to 1 along its x axis, and \
               as much along y as the film's shape asks for; `to_world` with a scale sees more.",
-    parameters: &[TO_WORLD, NEAR_CLIP, FAR_CLIP, SHUTTER_OPEN, SHUTTER_CLOSE, FILM, SAMPLER],
+    parameters: &[TO_WORLD, NEAR_CLIP, FAR_CLIP, SHUTTER_OPEN, SHUTTER_CLOSE, SRF, FILM, SAMPLER],
     sample: r#"<sensor type="orthographic">
     <transform name="to_world">
         <scale x="3" y="3"/>

@@ -4,7 +4,7 @@ use super::connection::{Connection, pinhole};
 use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use super::plane::{ImagePlane, View};
 use super::{
-    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, TO_WORLD,
+    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, TO_WORLD,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
@@ -38,6 +38,7 @@ pub const MANUAL: Manual = Manual {
         ),
         SHUTTER_OPEN,
         SHUTTER_CLOSE,
+        SRF,
         FILM,
         SAMPLER,
     ],

@@ -1,6 +1,8 @@
 //! `radiancemeter`: one ray.
 
-use super::{FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon, read_view, warn_of_pixels};
+use super::{
+    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, read_view, warn_of_pixels,
+};
 use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::manual::{Manual, parameter};
@@ -18,6 +20,7 @@ pub const MANUAL: Manual = Manual {
         parameter("to_world", "transform", "", "Placement, instead of the two above."),
         SHUTTER_OPEN,
         SHUTTER_CLOSE,
+        SRF,
         FILM,
         SAMPLER,
     ],

@@ -4,7 +4,7 @@ use super::connection::{Connection, pinhole};
 use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use super::plane::{ImagePlane, View};
 use super::{
-    FAR_CLIP, FILM, MAX_VALUE, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SensorCommon,
+    FAR_CLIP, FILM, MAX_VALUE, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
     TO_WORLD,
 };
 use crate::builder::Builder;
@@ -41,6 +41,7 @@ pub const MANUAL: Manual = Manual {
         FAR_CLIP,
         SHUTTER_OPEN,
         SHUTTER_CLOSE,
+        SRF,
         FILM,
         SAMPLER,
     ],

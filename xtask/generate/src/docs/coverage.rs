@@ -128,6 +128,10 @@ fn upgraded(theirs: &Theirs) -> Option<String> {
         "spectrum" => format!(
             "<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" type=\"{name}\">{inner}</spectrum></bsdf>"
         ),
+        // Wrappers need something to wrap.
+        "integrator" => {
+            format!("<integrator type=\"{name}\"><integrator type=\"path\"/></integrator>")
+        }
         _ => format!("<{class} type=\"{name}\"/>"),
     };
     let text = format!("<scene version=\"3.0.0\">{element}</scene>");
