@@ -1,6 +1,6 @@
 //! `blendbsdf`: a mixture of two materials.
 
-use super::inputs::{limited, nested, scalar_within};
+use super::inputs::{fraction, limited, nested};
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
@@ -37,7 +37,7 @@ pub struct BlendBsdf {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<BlendBsdf> {
-    let weight = scalar_within(builder, parameters, "weight", 0.5, 0.0..=1.0);
+    let weight = fraction(builder, parameters, "weight", 0.5);
     let nested = nested(builder, parameters, 2..=2)?;
     Some(BlendBsdf { weight, nested: [nested[0], nested[1]] })
 }

@@ -3,13 +3,13 @@
 //! Burley, "Physically Based Shading at Disney", SIGGRAPH 2012 courses, and "Extending the Disney
 //! BRDF to a BSDF with Integrated Subsurface Scattering", SIGGRAPH 2015 courses.
 
-use super::inputs::{limited, scalar_within};
+use super::inputs::{fraction, limited, scalar_within};
 use super::microfacet::{Distribution, Microfacets, NormalSampling};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{ParameterManual, parameter};
 use crate::texture::{ColorSource, ScalarSource, Textures};
-use etendue_document::{Fault, Parameters};
+use etendue_document::Parameters;
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
@@ -52,24 +52,6 @@ pub(super) const FLATNESS: ParameterManual = parameter(
     "0",
     "From the diffuse lobe (0) to an imitation of subsurface scattering (1), which is flatter.",
 );
-
-/// A parameter from 0 to 1. Beyond them the model means nothing, but scenes hold such numbers:
-/// they are limited, with a warning.
-pub(super) fn fraction(
-    builder: &mut Builder<'_>,
-    parameters: &Parameters<'_>,
-    name: &str,
-    default: f32,
-) -> ScalarSource {
-    match builder.scalar(parameters, name, default) {
-        ScalarSource::Constant(value) if !(0.0..=1.0).contains(&value) => {
-            let message = format!("`{name}` is {value}, and limited to the range from 0 to 1");
-            parameters.warning(Fault::BadValue, name, message);
-            ScalarSource::Constant(limited(value, 0.0, 1.0))
-        }
-        source => source,
-    }
-}
 
 /// The strength of a lobe that is added to the others: 0 to 1 by the model, but more only scales.
 pub(super) fn strength(

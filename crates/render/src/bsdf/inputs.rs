@@ -57,6 +57,24 @@ pub(super) fn scalar_within(
     }
 }
 
+/// A share from 0 to 1. Beyond them it means nothing, but scenes hold such numbers: they are limited,
+/// with a warning.
+pub(super) fn fraction(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    name: &str,
+    default: f32,
+) -> ScalarSource {
+    match builder.scalar(parameters, name, default) {
+        ScalarSource::Constant(value) if !(0.0..=1.0).contains(&value) => {
+            let message = format!("`{name}` is {value}, and limited to the range from 0 to 1");
+            parameters.warning(Fault::BadValue, name, message);
+            ScalarSource::Constant(limited(value, 0.0, 1.0))
+        }
+        source => source,
+    }
+}
+
 /// The index inside over the index outside, from `int_ior` and `ext_ior`; from 0.001 to 1000.
 pub(super) fn relative_index(
     builder: &mut Builder<'_>,

@@ -1,6 +1,6 @@
 //! `mask`: a material with holes.
 
-use super::inputs::{limited, nested, scalar_within};
+use super::inputs::{fraction, limited, nested};
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
@@ -31,7 +31,7 @@ pub struct Mask {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Mask> {
-    let opacity = scalar_within(builder, parameters, "opacity", 0.5, 0.0..=1.0);
+    let opacity = fraction(builder, parameters, "opacity", 0.5);
     let nested = nested(builder, parameters, 1..=1)?[0];
     Some(Mask { opacity, nested })
 }
@@ -69,14 +69,14 @@ mod tests {
     }
 
     #[test]
-    fn opacities_out_of_range_are_found_or_limited() {
+    fn opacities_out_of_range_are_limited() {
         for value in ["1.5", "-0.1", "1e39"] {
             assert_finds(
                 &format!(
                     r#"<bsdf type="mask"><float name="opacity" value="{value}"/>
                        <bsdf type="diffuse"/></bsdf>"#
                 ),
-                Severity::Error,
+                Severity::Warning,
                 Fault::BadValue,
                 "opacity",
             );

@@ -3,10 +3,9 @@
 use super::dielectric::radiance_scale;
 use super::disney::{
     ANISOTROPIC, BASE_COLOR, Base, BaseParameters, CoatNormals, FLATNESS, ROUGHNESS, SHEEN,
-    SHEEN_TINT, SPEC_TINT, fraction, normal_reflectance, sampling_rate, schlick, share_at,
-    strength,
+    SHEEN_TINT, SPEC_TINT, normal_reflectance, sampling_rate, schlick, share_at, strength,
 };
-use super::inputs::limited;
+use super::inputs::{fraction, limited};
 use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
