@@ -28,9 +28,11 @@ fn value(nodes: &[Node], node: NodeId) -> Option<Value> {
         return None;
     }
     match node.plugin.as_str() {
+        // A plain number, as `uniform` is grey also where it is light; a constant in short would be
+        // equal-energy white there.
         "uniform" => {
             let constant = find(node, "value").map_or(Some(1.0), |value| number(&value.value))?;
-            Some(Value::Spectrum(SpectrumValue::Constant(constant)))
+            Some(Value::Float(constant))
         }
         "srgb" => match find(node, "color")?.value {
             Value::Rgb(color) => Some(Value::Rgb(color)),

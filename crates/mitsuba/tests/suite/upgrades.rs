@@ -426,7 +426,7 @@ fn spectra_that_are_plugins_become_values() {
         ("reflectance", samples(&[(400.0, 0.1), (550.0, 0.2), (700.0, 0.4)])),
         ("reflectance", samples(&[(400.0, 0.1), (650.0, 0.2)])),
         ("intensity", Value::Rgb(DVec3::splat(2.0))),
-        ("reflectance", Value::Spectrum(SpectrumValue::Constant(0.3))),
+        ("reflectance", Value::Float(0.3)),
     ];
     for (index, (name, expected)) in expected.into_iter().enumerate() {
         let object = object(&document, index);
