@@ -13,6 +13,7 @@ mod deps;
 mod etendue;
 mod generate;
 mod kill;
+mod leaks;
 mod links;
 mod openjd;
 mod portable_float_map;
@@ -41,6 +42,11 @@ const TASKS: &[Task] = &[
     Task { name: "docs", about: "reference pages from what the code says", run: generate::docs },
     Task { name: "gallery", about: "the pictures under gallery/", run: generate::gallery },
     Task { name: "kill", about: "renders killed and resumed: [COUNT] [SEED]", run: kill::run },
+    Task {
+        name: "leaks",
+        about: "rays at edges of closed meshes: none slips through",
+        run: leaks::run,
+    },
     Task { name: "links", about: "relative links in Markdown files", run: links::run },
     Task { name: "openjd", about: "the template for Open Job Description", run: openjd::run },
     Task { name: "seeds", about: "the seed scenes beside their references", run: seeds::run },

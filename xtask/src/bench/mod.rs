@@ -3,6 +3,7 @@
 mod embree;
 mod peer;
 mod rays;
+mod scale;
 mod scenes;
 
 use std::path::{Path, PathBuf};
@@ -22,6 +23,8 @@ enum Command {
     Render(Arguments),
     /// Rays per second on a scene's triangles, on one thread
     Rays(rays::Arguments),
+    /// Rate and memory by the number of triangles and of instances
+    Scale(scale::Arguments),
 }
 
 /// Renders beside a peer.
@@ -57,6 +60,7 @@ pub(crate) fn run(arguments: &[String]) -> bool {
     let outcome = match Command::parse_from(name.chain(arguments.iter().cloned())) {
         Command::Render(arguments) => render(&arguments),
         Command::Rays(arguments) => rays::run(&arguments),
+        Command::Scale(arguments) => scale::run(&arguments),
     };
     match outcome {
         Ok(()) => true,

@@ -48,9 +48,11 @@ pub(crate) fn build(
     if wide.custom.len() > Child::MAX_CUSTOM_ENTRIES {
         return Err(BuildError::TooManyPrimitives);
     }
+    let bounds = tree.first().map_or(Bounds3::EMPTY, BinaryNode::bounds);
+    // Memory is at its peak below.
+    drop(tree);
     let names = Names::new(geometries).ok_or(BuildError::TooManyPrimitives)?;
     let blocks = wide.fill_blocks(&references, geometries, &names);
-    let bounds = tree.first().map_or(Bounds3::EMPTY, BinaryNode::bounds);
     Ok(Bvh::from_parts(
         wide.nodes,
         (blocks, names),
