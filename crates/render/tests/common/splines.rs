@@ -143,7 +143,7 @@ impl Subject {
             }
             let (known, is_decided) = oracle(&self.segments, &ray);
             counts.crossings += known.len() as u64;
-            if agree(&found, &known, f64::from(ray.direction.y)) {
+            if agree(&found, &known) {
                 continue;
             }
             if is_decided {
@@ -164,14 +164,21 @@ fn random_share(random: &mut TestRng) -> f64 {
     f64::from(random.next_f32())
 }
 
-/// Whether two lists of crossings are the same. The oracle's polynomial is known to 10⁻¹⁵ and more, has
-/// two roots some `rise` apart where a ray is nearly level, and t is a height over `rise`.
-fn agree(found: &[Crossing], known: &[f64], rise: f64) -> bool {
-    let tolerance = 1e-6 + 1e-14 / (rise * rise).max(1e-30);
-    // A level ray is solved otherwise.
-    let tolerance = if tolerance > 1.0 { 1e-6 } else { tolerance };
+/// A crossing as the oracle finds it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Known {
+    t: f64,
+    /// What rounding may change in t.
+    accuracy: f64,
+}
+
+/// Whether two lists of crossings are the same.
+fn agree(found: &[Crossing], known: &[Known]) -> bool {
     found.len() == known.len()
-        && found.iter().zip(known).all(|(found, known)| (found.t - known).abs() < tolerance)
+        && found
+            .iter()
+            .zip(known)
+            .all(|(found, known)| (found.t - known.t).abs() < 1e-8 + known.accuracy)
 }
 
 /// Values of the polynomial below this share of its terms are the oracle's rounding. They come from
@@ -181,7 +188,7 @@ const ORACLE_ROUNDING: f64 = 1e-12;
 /// Where a ray's line passes through the surface, in order, and whether that is beyond doubt. The
 /// same elimination, but in powers of the parameter, for whole segments, by the roots of all
 /// derivatives in turn, which bracket each other's: nothing in common with what is tested.
-pub(crate) fn oracle(segments: &[Segment], ray: &Ray) -> (Vec<f64>, bool) {
+pub(crate) fn oracle(segments: &[Segment], ray: &Ray) -> (Vec<Known>, bool) {
     let (p, v) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let mut crossings = Vec::new();
     let mut is_decided = true;
@@ -203,9 +210,16 @@ pub(crate) fn oracle(segments: &[Segment], ray: &Ray) -> (Vec<f64>, bool) {
         let scale: f64 = (0..7).map(|i| a[i].abs() + b[i].abs() + (c[i] * v.y * v.y).abs()).sum();
         let (roots, least) = roots(&f);
         is_decided &= least > ORACLE_ROUNDING * scale;
-        crossings.extend(roots.iter().map(|s| (value(&y, *s) - p.y) / v.y));
+        // Evaluating the polynomial rounds it by some 10⁻¹⁵ of its terms. That moves a root by as much
+        // over the slope, which is little for grazing and for nearly level rays.
+        let (slope, steepness) = (derivative(&f), derivative(&y));
+        crossings.extend(roots.iter().map(|s| {
+            let shift = 1e-14 * scale / value(&slope, *s).abs();
+            let accuracy = shift * (value(&steepness, *s) / v.y).abs();
+            Known { t: (value(&y, *s) - p.y) / v.y, accuracy }
+        }));
     }
-    crossings.sort_by(f64::total_cmp);
+    crossings.sort_by(|a, b| a.t.total_cmp(&b.t));
     (crossings, is_decided)
 }
 
@@ -213,7 +227,7 @@ fn level_crossings(
     x: &[f64],
     y: &[f64],
     (p, v): (DVec3, DVec3),
-    crossings: &mut Vec<f64>,
+    crossings: &mut Vec<Known>,
     is_decided: &mut bool,
 ) {
     let mut shifted = y.to_vec();
@@ -228,7 +242,11 @@ fn level_crossings(
         let discriminant = (radius * radius * a - cross * cross) / (a * a);
         *is_decided &= discriminant.abs() > ORACLE_ROUNDING;
         if discriminant >= 0.0 {
-            crossings.extend([-1.0, 1.0].map(|sign| -b / a + sign * discriminant.sqrt()));
+            let half = discriminant.sqrt();
+            // Grazing rays again; the height's own slope has been decided on.
+            let accuracy = 1e-12 / half;
+            let at = |side: f64| Known { t: -b / a + side * half, accuracy };
+            crossings.extend([-1.0, 1.0].map(at));
         }
     }
 }
@@ -251,14 +269,16 @@ fn value(polynomial: &[f64], s: f64) -> f64 {
     polynomial.iter().rev().fold(0.0, |sum, c| sum * s + c)
 }
 
+fn derivative(polynomial: &[f64]) -> Vec<f64> {
+    polynomial.iter().enumerate().skip(1).map(|(i, c)| c * i as f64).collect()
+}
+
 /// The places in [0, 1] where the sign changes, and the least magnitude among the ends and the
 /// extrema.
 fn roots(polynomial: &[f64]) -> (Vec<f64>, f64) {
     let mut ends = vec![0.0, 1.0];
     if polynomial.len() > 2 {
-        let derivative: Vec<f64> =
-            polynomial.iter().enumerate().skip(1).map(|(i, c)| c * i as f64).collect();
-        ends.splice(1..1, roots(&derivative).0);
+        ends.splice(1..1, roots(&derivative(polynomial)).0);
     }
     let values: Vec<f64> = ends.iter().map(|s| value(polynomial, *s)).collect();
     let least = values.iter().fold(f64::INFINITY, |least, v| least.min(v.abs()));
