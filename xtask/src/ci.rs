@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::workspace::{cargo, has_subcommand};
-use crate::{deps, generate, leaks, links, openjd, seeds, slurm, suite};
+use crate::{deps, generate, leaks, links, openjd, seeds, slurm, splines, suite};
 
 /// How a step ended.
 enum Outcome {
@@ -28,6 +28,7 @@ const STEPS: &[Step] = &[
     Step { name: "lints", run: lints },
     Step { name: "tests", run: tests },
     Step { name: "leaks", run: || passed(leaks::run(&[])) },
+    Step { name: "splines", run: || passed(splines::run(&[])) },
     Step { name: "generated files", run: generated_files },
     Step { name: "documentation", run: documentation },
     Step { name: "seed scenes", run: seed_scenes },

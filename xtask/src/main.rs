@@ -8,7 +8,6 @@
 
 mod bench;
 mod ci;
-mod counts;
 mod deps;
 mod etendue;
 mod generate;
@@ -20,6 +19,7 @@ mod portable_float_map;
 mod seeds;
 mod slurm;
 mod soak;
+mod splines;
 mod suite;
 mod workspace;
 
@@ -37,7 +37,6 @@ struct Task {
 const TASKS: &[Task] = &[
     Task { name: "ci", about: "format, lints, tests, docs, edges, licences", run: ci::run },
     Task { name: "assets", about: "meshes and pictures of the scenes", run: generate::assets },
-    Task { name: "counts", about: "rays that leak or miss: --full for all", run: counts::run },
     Task { name: "deps", about: "edges between crates against the table", run: deps::run },
     Task { name: "docs", about: "reference pages from what the code says", run: generate::docs },
     Task { name: "gallery", about: "the pictures under gallery/", run: generate::gallery },
@@ -52,6 +51,7 @@ const TASKS: &[Task] = &[
     Task { name: "seeds", about: "the seed scenes beside their references", run: seeds::run },
     Task { name: "slurm", about: "the scripts for Slurm, on a real one", run: slurm::run },
     Task { name: "soak", about: "constant memory: [MINUTES] [SCENE]", run: soak::run },
+    Task { name: "splines", about: "rays through spline surfaces: none lost", run: splines::run },
     Task { name: "suite", about: "Mitsuba's own render tests: [DIR] [NAME...]", run: suite::run },
     Task { name: "bench", about: "speed, beside a peer", run: bench::run },
 ];
