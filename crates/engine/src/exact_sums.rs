@@ -141,7 +141,12 @@ impl ExactSums {
         SumsMut { limits: &mut self.limits[range.clone()], digits: &mut self.digits[range] }
     }
 
-    /// Window and digits, for files.
+    /// The windows and the digits of all sums, for files.
+    pub(crate) fn raw_parts(&self) -> (&[u16], &[Digits]) {
+        (&self.limits, &self.digits)
+    }
+
+    /// Window and digits of one sum.
     pub(crate) fn raw(&self, index: usize) -> (u16, Digits) {
         (self.limits[index], self.digits[index])
     }

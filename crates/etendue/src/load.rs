@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use etendue_document::{Diagnostics, Document, Resources, Sources};
 use etendue_integrators::{Integrator, build_integrator};
 use etendue_mitsuba::LoadOptions;
-use etendue_render::{Scene, build_scene};
+use etendue_render::{BuildOptions, Scene, build_scene};
 
 use crate::{Findings, SceneOptions};
 
@@ -128,10 +128,12 @@ fn build(
 
 /// What changes the picture. Where files are sought does not: their content is in the scene's hash.
 fn settings(options: &SceneOptions) -> Vec<(String, String)> {
+    // Which instructions rays use does not change the hits.
+    let build = BuildOptions { tier: None, ..options.build.clone() };
     // As the compiler writes them out, so that an option that is added is not forgotten here.
     let settings = [
         ("definitions", format!("{:?}", options.defines)),
-        ("scene options", format!("{:?}", options.build)),
+        ("scene options", format!("{build:?}")),
         ("integrator options", format!("{:?}", options.integrator)),
     ];
     settings.map(|(name, value)| (name.to_owned(), value)).into()

@@ -21,6 +21,7 @@ use crate::sensor::Sensor;
 use crate::shape::Geometry;
 use crate::texture::Texture;
 use crate::volume::Volume;
+use etendue_bvh::Tier;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
 use etendue_math::Transform;
 use std::collections::HashMap;
@@ -36,6 +37,9 @@ pub struct BuildOptions {
     pub filter: Option<String>,
     /// Whether a missing file is a warning, and the rest of the scene goes on.
     pub skip_missing: bool,
+    /// The instructions that rays use; the fastest of this machine if none are named. The hits are
+    /// the same.
+    pub tier: Option<Tier>,
 }
 
 /// Builds the frozen scene of a document. Errors and warnings go to `diagnostics`; `None` where
@@ -66,7 +70,9 @@ pub fn build_scene(
     }
     let hash = assets.content_hash();
     let Builder { materials, textures, media, emitter_weights, .. } = builder;
-    Scene::new(Parts { materials, textures, media, emitter_weights, hash, ..parts }, diagnostics)
+    let tier = options.tier;
+    let parts = Parts { materials, textures, media, emitter_weights, hash, tier, ..parts };
+    Scene::new(parts, diagnostics)
 }
 
 /// A 4×4 transform parameter; `None` after reporting one that has no inverse.

@@ -12,7 +12,7 @@ use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
 use crate::texture::{Texture, Textures};
 use etendue_bvh::{
-    BuildOptions, Bvh, GeometryView, Hit, PrimitiveHit, Primitives, TriangleMeshView,
+    BuildOptions, Bvh, GeometryView, Hit, PrimitiveHit, Primitives, Tier, TriangleMeshView,
 };
 use etendue_document::{Diagnostics, Fault};
 use etendue_math::{Bounds3, Ray};
@@ -53,6 +53,8 @@ pub(crate) struct Parts {
     pub(crate) boundaries: Vec<(ShapeId, Boundary)>,
     pub(crate) sensors: Vec<SensorSetup>,
     pub(crate) hash: [u8; 32],
+    /// The instructions that rays use, if not the fastest.
+    pub(crate) tier: Option<Tier>,
 }
 
 /// Everything that light meets.
@@ -109,7 +111,11 @@ pub struct EmitterChoice {
 }
 
 /// The tree over shapes; `groups` are what instances among them place.
-pub(crate) fn build_tree(shapes: &[Shape], groups: &[Group]) -> Result<Bvh, String> {
+pub(crate) fn build_tree(
+    shapes: &[Shape],
+    groups: &[Group],
+    tier: Option<Tier>,
+) -> Result<Bvh, String> {
     let boxes: Vec<Vec<Bounds3>> =
         shapes.iter().map(|shape| shape.geometry.primitive_boxes()).collect();
     let views: Vec<GeometryView<'_>> = shapes
@@ -127,7 +133,11 @@ pub(crate) fn build_tree(shapes: &[Shape], groups: &[Group]) -> Result<Bvh, Stri
             _ => GeometryView::User(boxes),
         })
         .collect();
-    Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())
+    let bvh = Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())?;
+    Ok(match tier {
+        Some(tier) => bvh.with_tier(tier),
+        None => bvh,
+    })
 }
 
 /// The table of emitters; `None` where all are alike.
@@ -153,7 +163,7 @@ fn choose_by_weight(table: &AliasTable, random: &mut f32) -> EmitterChoice {
 impl Scene {
     pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
         let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
-        let bvh = match build_tree(&parts.shapes[..top_level], &parts.groups) {
+        let bvh = match build_tree(&parts.shapes[..top_level], &parts.groups, parts.tier) {
             Ok(bvh) => bvh,
             Err(problem) => {
                 diagnostics.error(Fault::Geometry, None, problem);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use etendue::bvh::Tier;
 use etendue::document::Class;
 use etendue::integrators::{INTEGRATORS, IntegratorOptions};
 use etendue::scene::{BuildOptions, registry};
@@ -43,6 +44,9 @@ pub(crate) struct SceneArguments {
     /// Threads; one per processor by default. The picture does not depend on it
     #[arg(short = 't', long, value_name = "COUNT")]
     pub(crate) threads: Option<std::num::NonZeroUsize>,
+    /// Trace rays with the instructions that every machine has. The picture does not depend on it
+    #[arg(long)]
+    portable: bool,
     /// Say nothing but errors
     #[arg(short = 'q', long, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
@@ -94,6 +98,7 @@ impl SceneArguments {
                 film_size: self.size,
                 filter: self.filter.clone(),
                 skip_missing: self.skip_missing,
+                tier: self.portable.then_some(Tier::Portable),
                 ..BuildOptions::default()
             },
             integrator: IntegratorOptions {

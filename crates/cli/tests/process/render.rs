@@ -91,6 +91,22 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
+fn any_instructions_give_the_same_bits() {
+    let workplace = Workplace::new();
+    let scenes = ["cornell-box", "glass-and-metal", "soft-shadows", "textures", "cups"];
+    for name in scenes {
+        let scene = format!("{}/../../scenes/{name}/scene.xml", env!("CARGO_MANIFEST_DIR"));
+        let render = |more: &[&str]| {
+            let arguments =
+                ["render", &scene, "-q", "--size", "48x27", "--spp", "4", "-o", "a.pfm"];
+            workplace.succeed(&[&arguments[..], more].concat());
+            workplace.read("a.pfm")
+        };
+        assert_eq!(render(&[]), render(&["--portable"]), "{name}");
+    }
+}
+
+#[test]
 fn seeds_choose_other_noise() {
     let workplace = Workplace::new();
     let render = |seed: &str| {

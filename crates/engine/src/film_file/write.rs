@@ -102,13 +102,21 @@ fn push_defects(bytes: &mut Vec<u8>, defects: &Defects) {
     }
 }
 
+/// Most of a file: the places are made first, and then filled without asking for room again.
 fn push_sums(bytes: &mut Vec<u8>, sums: &ExactSums) {
-    for index in 0..sums.len() {
-        bytes.extend_from_slice(&sums.raw(index).0.to_le_bytes());
+    let (limits, digits) = sums.raw_parts();
+    for (place, limit) in grow(bytes, limits.len() * 2).chunks_exact_mut(2).zip(limits) {
+        place.copy_from_slice(&limit.to_le_bytes());
     }
-    for index in 0..sums.len() {
-        let [high, low] = sums.raw(index).1;
-        bytes.extend_from_slice(&high.to_le_bytes());
-        bytes.extend_from_slice(&low.to_le_bytes());
+    for (place, [high, low]) in grow(bytes, digits.len() * 16).chunks_exact_mut(16).zip(digits) {
+        place[..8].copy_from_slice(&high.to_le_bytes());
+        place[8..].copy_from_slice(&low.to_le_bytes());
     }
+}
+
+/// So many bytes at the end, to be filled.
+fn grow(bytes: &mut Vec<u8>, count: usize) -> &mut [u8] {
+    let start = bytes.len();
+    bytes.resize(start + count, 0);
+    &mut bytes[start..]
 }

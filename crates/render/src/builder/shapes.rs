@@ -110,7 +110,7 @@ impl<'a> Builder<'a> {
         for Parts { shapes, boundaries, .. } in &grouped {
             let in_scene = |id: ShapeId| ShapeId(first + id.0);
             parts.boundaries.extend(boundaries.iter().map(|&(id, media)| (in_scene(id), media)));
-            match build_tree(shapes, &[]) {
+            match build_tree(shapes, &[], self.options.tier) {
                 Ok(bvh) => {
                     parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) })
                 }
