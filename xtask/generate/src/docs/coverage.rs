@@ -30,8 +30,8 @@ enum Fate {
     Here(&'static Manual),
     /// A value of the parameter that it is nested as.
     Value,
-    /// Another plugin takes its place.
-    Approximated(String),
+    /// Another plugin takes its place, with this page.
+    Approximated(String, &'static Manual),
     Missing,
 }
 
@@ -75,7 +75,7 @@ pub(super) fn page() -> String {
          <!-- Written by `cargo xtask docs`: their list is a file, what is here is asked of the code. -->\n\n\
          Every plugin of Mitsuba 3.9 and every parameter that its scene files can give it, apart from \
          those that need Python objects. *Approximated* are plugins that another one stands in for, and \
-         parameters that are read and change nothing. The [plugin reference](plugins.md) says what each \
+         parameters that are read and change nothing, or that a stand-in does not know. The [plugin reference](plugins.md) says what each \
          of those that are here does.\n\n\
          | | in Mitsuba | here | approximated | not here |\n|---|---|---|---|---|\n{}{}{tables}",
         plugins.row("plugins"),
@@ -106,13 +106,11 @@ fn fate(theirs: &Theirs) -> Fate {
     if let Some(manual) = find(theirs.class, theirs.name) {
         return Fate::Here(manual);
     }
-    match upgraded(theirs) {
-        None => Fate::Value,
-        Some(other) if other != theirs.name && find(theirs.class, &other).is_some() => {
-            Fate::Approximated(other)
-        }
-        Some(_) => Fate::Missing,
-    }
+    let Some(other) = upgraded(theirs) else {
+        return Fate::Value;
+    };
+    let manual = find(theirs.class, &other).filter(|_| other != theirs.name);
+    manual.map_or(Fate::Missing, |manual| Fate::Approximated(other, manual))
 }
 
 /// The name under which a scene with the plugin reaches the renderer; `None` where it has become a
@@ -149,20 +147,22 @@ impl Fate {
     fn as_share(&self) -> Share {
         match self {
             Self::Here(_) | Self::Value => Share::Here,
-            Self::Approximated(_) => Share::WithoutEffect,
+            Self::Approximated(..) => Share::WithoutEffect,
             Self::Missing => Share::Missing,
         }
     }
 
     fn share(&self, parameter: &str) -> Share {
-        let manual = match self {
-            Self::Here(manual) => manual,
+        // What a stand-in takes means there what it meant.
+        let (manual, otherwise) = match self {
+            Self::Here(manual) => (manual, Share::Missing),
+            Self::Approximated(_, manual) => (manual, Share::WithoutEffect),
             other => return other.as_share(),
         };
         match manual.parameters.iter().find(|ours| ours.name == parameter) {
             Some(ours) if ours.meaning.starts_with(WITHOUT_EFFECT) => Share::WithoutEffect,
             Some(_) => Share::Here,
-            None => Share::Missing,
+            None => otherwise,
         }
     }
 }
@@ -187,7 +187,7 @@ impl Tally {
 fn write_row(tables: &mut String, theirs: &Theirs, fate: &Fate, shares: &[Share]) {
     let verdict = match fate {
         Fate::Here(_) | Fate::Value => "here".to_owned(),
-        Fate::Approximated(other) => format!("approximated by `{other}`"),
+        Fate::Approximated(other, _) => format!("approximated by `{other}`"),
         Fate::Missing => "**not here**".to_owned(),
     };
     let names = |wanted: Share| {
