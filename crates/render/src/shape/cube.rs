@@ -25,14 +25,14 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Mesh> {
     Mesh::new(unit_cube(), &MeshOptions::placement(to_world, flip_normals)).ok()
 }
 
-/// The directions of u, v and the outward normal of each face.
+/// The directions of u, v and the outward normal of each face, in the order of Mitsuba's triangles.
 const FACES: [[Vec3; 3]; 6] = [
-    [Vec3::X, Vec3::NEG_Z, Vec3::NEG_Y],
-    [Vec3::X, Vec3::Z, Vec3::Y],
-    [Vec3::NEG_Y, Vec3::Z, Vec3::X],
-    [Vec3::X, Vec3::Y, Vec3::NEG_Z],
+    [Vec3::Z, Vec3::X, Vec3::NEG_Y],
+    [Vec3::NEG_X, Vec3::NEG_Z, Vec3::Y],
+    [Vec3::Y, Vec3::NEG_Z, Vec3::X],
+    [Vec3::Y, Vec3::X, Vec3::Z],
     [Vec3::Y, Vec3::Z, Vec3::NEG_X],
-    [Vec3::NEG_X, Vec3::Y, Vec3::Z],
+    [Vec3::NEG_Y, Vec3::X, Vec3::NEG_Z],
 ];
 
 fn unit_cube() -> TriangleMesh {
@@ -67,5 +67,22 @@ mod tests {
             assert!(surface.normal.dot(surface.point) > 0.99, "{triangle}: {surface:?}");
             assert!(surface.normal.dot(surface.shading_normal) > 0.99, "{triangle}: {surface:?}");
         }
+    }
+
+    /// Read from Mitsuba 3.9.1: the corner of each face where u is 0 and v is 1.
+    #[test]
+    fn coordinates_are_those_of_mitsuba() {
+        let expected = [
+            [1.0, -1.0, -1.0],
+            [1.0, 1.0, -1.0],
+            [1.0, -1.0, -1.0],
+            [1.0, -1.0, 1.0],
+            [-1.0, -1.0, 1.0],
+            [1.0, 1.0, -1.0],
+        ];
+        let mesh = unit_cube();
+        let corners = mesh.positions.iter().zip(&mesh.uvs).filter(|(_, uv)| **uv == Vec2::Y);
+        let found: Vec<[f32; 3]> = corners.map(|(position, _)| position.to_array()).collect();
+        assert_eq!(found, expected);
     }
 }
