@@ -11,7 +11,8 @@ use glam::{Affine2, Vec2};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
-    summary: "A checkerboard: the unit square of texture coordinates holds two squares by two.",
+    summary: "A checkerboard: the unit square of texture coordinates holds two squares by two. Where a \
+              number is asked for, such as a roughness, the two are the other way round, as in Mitsuba.",
     parameters: &[
         parameter(
             "color0",
@@ -57,6 +58,14 @@ impl Checkerboard {
     pub fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
         let uv = self.to_uv.transform_point2(surface.uv);
         self.colors[square(uv)].eval(textures, surface)
+    }
+
+    /// The number at a surface point: that of the *other* colour. Mitsuba 3.9.1 has the squares the
+    /// other way round where a number is asked for, and its reference pictures hold that.
+    #[must_use]
+    pub fn eval_scalar(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        let uv = self.to_uv.transform_point2(surface.uv);
+        self.colors[1 - square(uv)].eval(textures, surface).luminance()
     }
 
     /// The mean colour over the unit square of `uv`, as if `to_uv` showed whole squares.
@@ -121,5 +130,7 @@ mod tests {
         assert_eq!((at(0.1, 0.1), at(0.1, 0.2)), ([0.9; 3], [0.2; 3]), "as in Mitsuba");
         assert_eq!((at(0.25, 0.25), at(0.3, 0.25)), ([0.9; 3], [0.2; 3]));
         assert!((texture.mean(none).luminance() - 0.55).abs() < 1e-6);
+        let surface = SurfaceInteraction::at_uv(Vec2::splat(0.1), Frame::from_normal(Vec3::Z));
+        assert!((texture.eval_scalar(none, &surface) - 0.2).abs() < 1e-6, "as in Mitsuba");
     }
 }

@@ -78,10 +78,10 @@ impl Textures<'_> {
         match &self.0[id.index()] {
             Texture::Constant(color) => color.luminance(),
             Texture::Bitmap(texture) => texture.eval_scalar(surface.uv),
-            Texture::Checkerboard(texture) => texture.eval(*self, surface).luminance(),
+            Texture::Checkerboard(texture) => texture.eval_scalar(*self, surface),
             Texture::MeshAttribute(texture) => texture.eval(surface).luminance(),
             Texture::Grid(texture) => texture.eval(*self, surface).luminance(),
-            Texture::Scale(texture) => texture.eval(*self, surface).luminance(),
+            Texture::Scale(texture) => texture.eval_scalar(*self, surface),
             Texture::Volume(texture) => texture.eval_scalar(surface.point),
         }
     }

@@ -45,6 +45,12 @@ impl Scale {
         textures.eval(self.nested, surface) * self.factor
     }
 
+    /// The number at a surface point.
+    #[must_use]
+    pub fn eval_scalar(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        textures.eval_scalar(self.nested, surface) * self.factor.luminance()
+    }
+
     /// The derivatives of the luminance by u and v.
     #[must_use]
     pub fn gradient(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Vec2 {
@@ -74,7 +80,8 @@ mod tests {
         let surface = SurfaceInteraction::at_uv(Vec2::ZERO, Frame::from_normal(Vec3::Z));
         let expected = Spectrum::from_rgb([1.0, 0.5, 2.0]);
         assert_eq!(textures.eval(scale, &surface), expected);
-        assert_eq!(textures.eval_scalar(scale, &surface), expected.luminance());
+        let scalar = textures.eval_scalar(TextureId(0), &surface) * factor.luminance();
+        assert_eq!(textures.eval_scalar(scale, &surface), scalar);
         assert_eq!(textures.mean(scale), expected);
     }
 }
