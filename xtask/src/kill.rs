@@ -190,7 +190,14 @@ fn kill_after(
             Err("a render has failed".to_owned())
         };
     };
-    thread::sleep(time.saturating_sub(started.elapsed()));
+    // Mostly there is a checkpoint already, so that there is something to go on with.
+    let mut last = (started, None);
+    if time.subsec_nanos() % 4 > 0
+        && let Ok(kept) = checkpoints.recv()
+    {
+        last = kept;
+    }
+    thread::sleep(time.saturating_sub(last.0.elapsed()));
     if let Some(status) = child.try_wait().map_err(text)? {
         return if status.success() { Ok(false) } else { Err("a render has failed".to_owned()) };
     }
@@ -198,14 +205,15 @@ fn kill_after(
     let killed = Instant::now();
     child.wait().map_err(text)?;
     // A render that had come to its end has removed its checkpoint; nothing is lost then.
-    let mut last = (started, None);
     loop {
         match checkpoints.recv_timeout(Duration::from_secs(10)) {
-            Ok(kept) => last = kept,
+            Ok(kept) => {
+                last = kept;
+                tally.longest_write = tally.longest_write.max(kept.1.unwrap_or_default());
+            }
             Err(_) if checkpoints.try_recv() == Err(TryRecvError::Disconnected) => break,
             Err(error) => return Err(error.to_string()),
         }
-        tally.longest_write = tally.longest_write.max(last.1.unwrap_or_default());
     }
     tally.kills += 1;
     tally.before_the_first += u64::from(last.1.is_none());

@@ -258,8 +258,8 @@ mod tests {
             (-40..40_i32).prop_map(|power| 2.0_f64.powi(power)),
             Just(0.0),
             Just(-0.0),
-            Just(65536.0),
-            Just(65535.999_999_999_99),
+            Just(65_536.0),
+            Just(65_535.999_999_999_99),
             Just(f64::MAX),
         ]
     }
@@ -328,7 +328,7 @@ mod tests {
     #[test]
     fn the_greatest_number_of_additions_does_not_overflow() {
         let mut sums = ExactSums::new(1);
-        sums.add(0, 65535.999_999_999_99);
+        sums.add(0, 65_535.999_999_999_99);
         // 2^31 times itself, by doubling.
         for _ in 0..31 {
             let copy = sums.clone();

@@ -36,6 +36,21 @@ fn parts_in_any_order_make_the_picture_of_one_render() {
     }
 }
 
+/// What particles leave falls on any pixel, and belongs to the film as a whole.
+#[test]
+fn parts_of_a_picture_by_particles_make_it_too() {
+    let workplace = Workplace::new();
+    let particles = ["--integrator", "ptracer"];
+    let parts = ["0..3", "9..20", "3..9"].map(|samples| part(&workplace, samples, &particles));
+    let names: Vec<&str> = parts.iter().map(String::as_str).collect();
+    workplace.succeed(&[&["merge", "-q", "-o", "merged.pfm"], &names[..]].concat());
+    let scene = small_scene();
+    let whole = ["render", &scene, "-q", "--spp", "20", "-o", "whole.pfm"];
+    workplace.succeed(&[&whole[..], &particles].concat());
+    assert_eq!(workplace.read("merged.pfm"), workplace.read("whole.pfm"));
+    assert!(workplace.read("whole.pfm")[40..].iter().any(|byte| *byte != 0), "it is not black");
+}
+
 #[test]
 fn parts_make_greater_parts() {
     let workplace = Workplace::new();
