@@ -136,8 +136,12 @@ fn kill_one(
         let mut command = render(case, path, &more);
         let mut child = command.stdout(Stdio::piped()).spawn().map_err(text)?;
         let checkpoints = listen(&mut child)?;
-        let left = interval.mul_f32(4.0 * random.next_f32());
-        if !kill_after(&mut child, left + interval / 4, &checkpoints, (interval, tally))? {
+        let time = interval.mul_f32(4.0 * random.next_f32()) + interval / 4;
+        let moment = match random.next_u32() % 4 {
+            0 => Moment::AfterStart(time),
+            _ => Moment::AfterCheckpoint(time),
+        };
+        if !kill_after(&mut child, moment, &checkpoints, (interval, tally))? {
             return Ok(());
         }
         let during_write = names(path.parent().unwrap_or(path), ".killed.pfm.checkpoint")?;
@@ -145,6 +149,15 @@ fn kill_one(
     }
     let status = render(case, path, &[]).status().map_err(text)?;
     if status.success() { Ok(()) } else { Err("a render cannot be resumed".to_owned()) }
+}
+
+/// When a render is killed.
+#[derive(Clone, Copy, Debug)]
+enum Moment {
+    /// So long after its start, with or without something to go on with.
+    AfterStart(Duration),
+    /// So long after its first checkpoint.
+    AfterCheckpoint(Duration),
 }
 
 /// A checkpoint: when its writing began and how long it took. `None` for the start of rendering.
@@ -175,11 +188,11 @@ fn listen(child: &mut Child) -> Result<Receiver<Kept>, String> {
     Ok(receiver)
 }
 
-/// Kills a render some time after it has started, and counts what that cost. Returns whether it was
+/// Kills a render at some moment, and counts what that cost. Returns whether it was
 /// killed before its end.
 fn kill_after(
     child: &mut Child,
-    time: Duration,
+    moment: Moment,
     checkpoints: &Receiver<Kept>,
     (interval, tally): (Duration, &mut Tally),
 ) -> Result<bool, String> {
@@ -190,13 +203,15 @@ fn kill_after(
             Err("a render has failed".to_owned())
         };
     };
-    // Mostly there is a checkpoint already, so that there is something to go on with.
     let mut last = (started, None);
-    if time.subsec_nanos() % 4 > 0
-        && let Ok(kept) = checkpoints.recv()
-    {
-        last = kept;
-    }
+    let time = match moment {
+        Moment::AfterStart(time) => time,
+        Moment::AfterCheckpoint(time) => {
+            // A render that ends before its first checkpoint is noticed below.
+            last = checkpoints.recv().unwrap_or(last);
+            time
+        }
+    };
     thread::sleep(time.saturating_sub(last.0.elapsed()));
     if let Some(status) = child.try_wait().map_err(text)? {
         return if status.success() { Ok(false) } else { Err("a render has failed".to_owned()) };
