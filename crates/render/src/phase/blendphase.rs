@@ -65,7 +65,9 @@ impl Blend {
     #[inline]
     fn shares(&self, site: &Site) -> [f32; 2] {
         // A limit that also turns a value that is no number into one.
-        let second = self.weight.eval_scalar(site.point).max(0.0).min(1.0);
+        let second = self.weight.eval_scalar(site.point);
+        // A weight that is not a number counts as none.
+        let second = if second > 0.0 { second.min(1.0) } else { 0.0 };
         [1.0 - second, second]
     }
 
