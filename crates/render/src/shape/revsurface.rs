@@ -3,8 +3,8 @@
 //! Turned about the axis into one half plane, a ray is a hyperbola ([`line`]), and where it crosses
 //! a cubic segment of the profile a polynomial of degree six in the segment's parameter vanishes:
 //! the one that is left when t and the azimuth are eliminated. Segments are cut into short pieces
-//! ([`piece`]) under a tree of their own ([`tree`]), and all roots on a piece are isolated by the
-//! signs of its Bernstein coefficients and polished ([`roots`]).
+//! (`piece`) under a tree of their own (`tree`), and all roots on a piece are isolated by the
+//! signs of its Bernstein coefficients and polished (`roots`).
 //!
 //! Everything happens in double precision, in a space where the profile has size one.
 
