@@ -114,6 +114,15 @@ impl ShapeSample {
         }
     }
 
+    /// The same, taken apart and put together again. What a call returns lies in memory; where it meets
+    /// a value computed in place, the compiler would put that there too, piece by piece, and read it
+    /// back in larger pieces, which the processor cannot forward: 3 % of a render.
+    #[inline(always)]
+    fn in_registers(self) -> Self {
+        let Self { point, error, normal, shading_normal, uv, pdf } = self;
+        Self { point, error, normal, shading_normal, uv, pdf }
+    }
+
     /// The same point with its density per area turned into one per solid angle seen from
     /// `reference`; `None` where the surface is seen edge-on or the points coincide.
     #[inline(always)]
@@ -174,6 +183,26 @@ impl Geometry {
         }
     }
 
+    /// Where `ray` arrives.
+    #[inline(never)]
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match self {
+            Self::Mesh(mesh) => mesh.surface_point(hit.primitive, Vec2::new(hit.u, hit.v)),
+            Self::Sphere(sphere) => sphere.surface_point(ray, hit.t),
+            Self::Disk(disk) => disk.surface_point(Vec2::new(hit.u, hit.v)),
+            Self::Cylinder(cylinder) => cylinder.surface_point(Vec2::new(hit.u, hit.v)),
+            Self::RevSurface(surface) => {
+                surface.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v))
+            }
+            Self::LinearCurve(curve) => curve.surface_point(hit.primitive, ray, hit.t),
+            Self::BSplineCurve(curve) => {
+                curve.surface_point(hit.primitive, ray, (hit.t, hit.u))
+            }
+            Self::SdfGrid(grid) => grid.surface_point(hit.primitive, ray, hit.t),
+            Self::Instance(_) => SurfacePoint::NOWHERE,
+        }
+    }
+
     /// How many triangles or other primitives there are.
     #[must_use]
     pub fn primitive_count(&self) -> usize {
@@ -194,18 +223,7 @@ impl Shape {
     pub fn interaction(&self, id: ShapeId, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let surface = match &self.geometry {
             Geometry::Mesh(mesh) => mesh.surface_point(hit.primitive, Vec2::new(hit.u, hit.v)),
-            Geometry::Sphere(sphere) => sphere.surface_point(ray, hit.t),
-            Geometry::Disk(disk) => disk.surface_point(Vec2::new(hit.u, hit.v)),
-            Geometry::Cylinder(cylinder) => cylinder.surface_point(Vec2::new(hit.u, hit.v)),
-            Geometry::RevSurface(surface) => {
-                surface.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v))
-            }
-            Geometry::LinearCurve(curve) => curve.surface_point(hit.primitive, ray, hit.t),
-            Geometry::BSplineCurve(curve) => {
-                curve.surface_point(hit.primitive, ray, (hit.t, hit.u))
-            }
-            Geometry::SdfGrid(grid) => grid.surface_point(hit.primitive, ray, hit.t),
-            Geometry::Instance(_) => SurfacePoint::NOWHERE,
+            other => other.surface_point(ray, hit).in_registers(),
         };
         let shading = Frame::from_normal_and_tangent(surface.shading_normal, surface.dp_du);
         SurfaceInteraction {
@@ -274,11 +292,7 @@ impl Shape {
         {
             return sample.seen_from(reference);
         }
-        // Taken apart and put together again: else the rectangle's sample would go through the memory
-        // that this call writes to, too, and come back late (3 % of a render).
-        let ShapeSample { point, error, normal, shading_normal, uv, pdf } =
-            self.sample_any_direction(reference, random)?;
-        Some(ShapeSample { point, error, normal, shading_normal, uv, pdf })
+        Some(self.sample_any_direction(reference, random)?.in_registers())
     }
 
     #[inline(never)]
@@ -320,6 +334,13 @@ impl Shape {
 }
 
 impl SurfacePoint {
+    /// As [`ShapeSample::in_registers`].
+    #[inline(always)]
+    fn in_registers(self) -> Self {
+        let Self { point, error, normal, shading_normal, uv, dp_du, dp_dv } = self;
+        Self { point, error, normal, shading_normal, uv, dp_du, dp_dv }
+    }
+
     /// A placeholder for what no ray can hit directly.
     const NOWHERE: Self = Self {
         point: Vec3::ZERO,
