@@ -191,13 +191,9 @@ impl Geometry {
             Self::Sphere(sphere) => sphere.surface_point(ray, hit.t),
             Self::Disk(disk) => disk.surface_point(Vec2::new(hit.u, hit.v)),
             Self::Cylinder(cylinder) => cylinder.surface_point(Vec2::new(hit.u, hit.v)),
-            Self::RevSurface(surface) => {
-                surface.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v))
-            }
+            Self::RevSurface(surface) => surface.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v)),
             Self::LinearCurve(curve) => curve.surface_point(hit.primitive, ray, hit.t),
-            Self::BSplineCurve(curve) => {
-                curve.surface_point(hit.primitive, ray, (hit.t, hit.u))
-            }
+            Self::BSplineCurve(curve) => curve.surface_point(hit.primitive, ray, (hit.t, hit.u)),
             Self::SdfGrid(grid) => grid.surface_point(hit.primitive, ray, hit.t),
             Self::Instance(_) => SurfacePoint::NOWHERE,
         }
