@@ -1,4 +1,4 @@
-//! `cargo xtask assets`: makes the meshes and pictures that the scenes under `scenes/` use.
+//! `cargo xtask assets`: makes the meshes, pictures and volumes that the scenes under `scenes/` use.
 //!
 //! They are committed, so that a clone renders without this; `--check` says whether what is
 //! committed is what this makes.
@@ -8,6 +8,7 @@ mod paint;
 mod patch;
 mod pictures;
 mod sculptures;
+mod volumes;
 
 use clap::Args;
 
@@ -37,6 +38,7 @@ const ASSETS: &[Asset] = &[
     asset("scenes/plastics/backdrop.ply", sculptures::backdrop),
     asset("scenes/plastics/knot.ply", sculptures::knot),
     asset("scenes/rough-metals/backdrop.ply", sculptures::backdrop),
+    asset("scenes/smoke/smoke.vol", volumes::smoke),
     asset("scenes/soft-shadows/basket.ply", sculptures::basket),
     asset("scenes/textures/bricks-color.png", pictures::bricks_color),
     asset("scenes/textures/bricks-height.png", pictures::bricks_height),

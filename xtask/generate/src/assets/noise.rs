@@ -27,6 +27,33 @@ pub(super) fn fractal(x: f64, y: f64, period: u32, octaves: u32) -> f64 {
     sum / total
 }
 
+/// Smooth noise in [0, 1] throughout space that never repeats: several scales of it, as
+/// [`fractal`].
+pub(super) fn fractal_solid(place: [f64; 3], octaves: u32, seed: u32) -> f64 {
+    let mut sum = 0.0;
+    let mut total = 0.0;
+    for octave in 0..octaves {
+        let scale = f64::from(1 << octave);
+        sum += solid(place.map(|coordinate| coordinate * scale), seed + 16 * octave) / scale;
+        total += 1.0 / scale;
+    }
+    sum / total
+}
+
+/// Smooth noise in [0, 1] throughout space, from random values at the corners of a unit grid.
+fn solid(place: [f64; 3], seed: u32) -> f64 {
+    let cell = place.map(f64::floor);
+    let [s, t, u] = std::array::from_fn(|axis| smooth(place[axis] - cell[axis]));
+    let corner = |x: i64, y: i64, z: i64| {
+        let [x, y, z] = [cell[0] as i64 + x, cell[1] as i64 + y, cell[2] as i64 + z];
+        let layer = (z as u32).wrapping_mul(0xc2b2_ae3d);
+        random(x as u32, y as u32, seed.wrapping_add(layer))
+    };
+    let row = |y, z| mix(corner(0, y, z), corner(1, y, z), s);
+    let layer = |z| mix(row(0, z), row(1, z), t);
+    mix(layer(0), layer(1), u)
+}
+
 /// A number in [0, 1) that only depends on its arguments, all of them mixed by multiplications and
 /// shifts (the finisher of MurmurHash3).
 pub(super) fn random(x: u32, y: u32, seed: u32) -> f64 {
@@ -55,6 +82,16 @@ fn smooth(t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn solid_noise_has_its_random_values_at_whole_places_and_stays_in_range() {
+        assert_eq!(solid([3.0, 4.0, 0.0], 7), random(3, 4, 7));
+        let steps = |step: u32| f64::from(step) * 0.37 - 4.0;
+        for step in 0..1000 {
+            let place = [steps(step), steps(step / 3), steps(step / 7)];
+            assert!((0.0..=1.0).contains(&fractal_solid(place, 4, 1)));
+        }
+    }
 
     #[test]
     fn noise_repeats_and_stays_in_range() {
