@@ -120,4 +120,12 @@ mod tests {
         assert_eq!(even, whole);
         assert_eq!(whole.total(), 40);
     }
+
+    #[test]
+    fn counts_from_a_made_up_file_do_not_overflow() {
+        let claimed = Defects { non_finite: u64::MAX, negative: u64::MAX, first: Vec::new() };
+        let mut sum = claimed.clone();
+        sum.merge(&claimed);
+        assert_eq!((sum.non_finite, sum.total()), (u64::MAX, u64::MAX));
+    }
 }
