@@ -17,6 +17,7 @@ mod nested;
 mod path;
 mod ptracer;
 mod registry;
+mod sheet;
 mod volpath;
 mod volpathmis;
 

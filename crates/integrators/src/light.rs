@@ -101,7 +101,7 @@ impl NextEvent {
         bsdf: &Bsdf<'_>,
         random: Vec2,
     ) -> Spectrum {
-        let proposed = sample_light(scene, surface, random)
+        let proposed = sample_light(scene, surface.point, random)
             .and_then(|light| self.reflect(surface, bsdf, &light));
         match proposed {
             Some(light) if !scene.occluded(&light.shadow_ray) => light.radiance,
@@ -139,12 +139,12 @@ impl NextEvent {
 #[inline(always)]
 pub(crate) fn sample_light(
     scene: &Scene,
-    surface: &SurfaceInteraction,
+    point: Vec3,
     mut random: Vec2,
 ) -> Option<DirectionSample> {
     let choice = scene.choose_emitter(&mut random.x)?;
     let emitter = scene.emitter(choice.emitter);
-    let mut light = emitter.sample_direction(scene, surface.point, random)?;
+    let mut light = emitter.sample_direction(scene, point, random)?;
     light.pdf *= choice.probability;
     Some(light)
 }

@@ -1,8 +1,11 @@
 //! `volpath`: path tracing through participating media.
 
+use crate::light::sample_light;
 use crate::media::{Connection, Event, Heuristic, Traveller, Vertex, Weights};
+use crate::path::depths;
+use crate::sheet::Sheet;
 use crate::{Integrator, Radiance, Start};
-use etendue_document::{Fault, Parameters};
+use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
 use etendue_render::emitter::DirectionSample;
@@ -73,14 +76,10 @@ impl VolumePath {
         emitter_sampling: bool,
         heuristic: Heuristic,
     ) -> Self {
-        let max_depth = parameters.integer("max_depth", -1);
-        if max_depth < -1 {
-            let message = "expected −1 (no limit), or a length of 0 or more";
-            parameters.error(Fault::BadValue, "max_depth", message);
-        }
+        let (max_depth, rr_depth) = depths(parameters);
         Self {
-            max_depth: u32::try_from(max_depth).unwrap_or(u32::MAX),
-            rr_depth: parameters.integer_in("rr_depth", 5, 1..=i64::from(u32::MAX)) as u32,
+            max_depth,
+            rr_depth,
             hide_emitters: parameters.boolean("hide_emitters", false),
             emitter_sampling,
             heuristic,
@@ -97,6 +96,8 @@ struct State {
     /// The index of refraction here relative to the camera's: light that will leave glass again is
     /// not lost to roulette for being compressed in it.
     eta: f32,
+    /// The masked sheet that the path has just passed straight through.
+    sheet: Option<Sheet>,
     /// Edges so far.
     depth: u32,
     radiance: Spectrum,
@@ -144,6 +145,7 @@ impl Integrator for VolumePath {
             weights: Weights::new(),
             origin: start.ray.origin,
             eta: 1.0,
+            sheet: None,
             depth: 0,
             radiance: Spectrum::ZERO,
             alpha: 0.0,
@@ -207,6 +209,11 @@ impl VolumePath {
     /// The path has met a surface; false where it ends.
     fn meet(&self, scene: &Scene, path: &mut State, hit: &Hit, stream: &mut SampleStream) -> bool {
         let surface = scene.interaction(&path.traveller.ray, hit);
+        if path.sheet.as_mut().is_some_and(|sheet| sheet.holds(&surface)) {
+            path.traveller.leave(scene, &surface, path.traveller.ray.direction);
+            return true;
+        }
+        path.sheet = None;
         if let Some(emitter) = scene.emitter_of(&surface) {
             if self.hide_emitters && path.depth == 0 {
                 path.traveller.leave(scene, &surface, path.traveller.ray.direction);
@@ -218,6 +225,7 @@ impl VolumePath {
         let bsdf = scene.prepare_bsdf(&surface);
         let (share, probability) = bsdf.straight(surface.wi);
         if probability == 1.0 {
+            path.sheet = Some(Sheet::at(&surface));
             path.weights.throughput *= share;
             path.traveller.leave(scene, &surface, path.traveller.ray.direction);
             return !path.weights.throughput.is_black();
@@ -245,6 +253,7 @@ impl VolumePath {
         };
         path.traveller.leave(scene, surface, surface.to_world(wo));
         if lobe == Lobe::Null {
+            path.sheet = Some(Sheet::at(surface));
             return path.weights.pass(weight, pdf);
         }
         path.alpha = 1.0;
@@ -263,7 +272,7 @@ impl VolumePath {
         (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
         random: Vec2,
     ) {
-        let Some(light) = choose_light(scene, surface.point, random) else { return };
+        let Some(light) = sample_light(scene, surface.point, random) else { return };
         let wo = surface.to_local(light.direction);
         let (value, pdf) = bsdf.eval_pdf(surface.wi, wo, Transport::Radiance);
         self.connect(scene, path, Vertex::Surface(surface), (&light, value, pdf));
@@ -278,6 +287,7 @@ impl VolumePath {
         stream: &mut SampleStream,
     ) -> bool {
         path.alpha = 1.0;
+        path.sheet = None;
         path.depth += 1;
         if path.depth >= self.max_depth {
             return false;
@@ -286,7 +296,7 @@ impl VolumePath {
         let site = Site { point, wi: -path.traveller.ray.direction };
         let numbers = Numbers::draw(stream);
         let competes = self.emitter_sampling && medium.sample_emitters;
-        if competes && let Some(light) = choose_light(scene, point, numbers.emitter) {
+        if competes && let Some(light) = sample_light(scene, point, numbers.emitter) {
             let pdf = medium.phase.eval(&site, light.direction);
             self.connect(scene, path, Vertex::Inside(point), (&light, Spectrum::splat(pdf), pdf));
         }
@@ -333,11 +343,4 @@ impl VolumePath {
         *throughput *= 1.0 / probability;
         true
     }
-}
-
-/// Light from one emitter, chosen by chance; its density includes that of the choice.
-fn choose_light(scene: &Scene, point: Vec3, mut random: Vec2) -> Option<DirectionSample> {
-    let choice = scene.choose_emitter(&mut random.x)?;
-    let light = scene.emitter(choice.emitter).sample_direction(scene, point, random)?;
-    Some(DirectionSample { pdf: light.pdf * choice.probability, ..light })
 }

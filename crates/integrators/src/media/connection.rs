@@ -1,6 +1,7 @@
 //! Connections to emitters: how much light passes media and surfaces that do not bend it.
 
 use super::flight::{Traveller, medium_beyond, transmittance};
+use crate::sheet::Sheet;
 use etendue_math::{Ray, offset_ray_origin};
 use etendue_render::emitter::DirectionSample;
 use etendue_render::medium::{Density, Heterogeneous, Medium};
@@ -32,6 +33,8 @@ pub(crate) struct Connection {
 struct Way<'a> {
     traveller: &'a mut Traveller,
     connection: Connection,
+    /// The masked sheet that it has just passed.
+    sheet: Option<Sheet>,
 }
 
 impl Vertex<'_> {
@@ -62,7 +65,7 @@ impl Connection {
         };
         let mut ray = light.shadow_ray_from(vertex.origin(light.direction));
         let connection = Self { transmittance: Spectrum::ONE, led: Spectrum::ONE };
-        let mut way = Way { traveller, connection };
+        let mut way = Way { traveller, connection, sheet: None };
         loop {
             let hit = scene.closest_hit(&ray);
             // Surfaces end most connections, and cost less than media.
@@ -86,6 +89,10 @@ const SURVIVAL: f32 = 0.25;
 
 impl Way<'_> {
     fn pass_surface(&mut self, scene: &Scene, surface: &SurfaceInteraction) -> Option<()> {
+        if self.sheet.as_mut().is_some_and(|sheet| sheet.holds(surface)) {
+            return Some(());
+        }
+        self.sheet = Some(Sheet::at(surface));
         let (share, pdf) = scene.prepare_bsdf(surface).straight(surface.wi);
         self.connection.transmittance *= share;
         self.connection.led *= pdf;

@@ -9,11 +9,12 @@
 
 use super::Path;
 use crate::light::{NextEvent, Origin, distant, emitted, sample_light};
+use crate::sheet::Sheet;
 use crate::{CameraRay, Radiance};
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
 use etendue_render::emitter::DirectionSample;
-use etendue_render::{Hit, Scene, ShapeId, SurfaceInteraction};
+use etendue_render::{Hit, Scene, SurfaceInteraction};
 use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
 use glam::Vec2;
@@ -34,18 +35,6 @@ struct State {
     depth: u32,
     radiance: Spectrum,
     alpha: f32,
-}
-
-/// A surface that lets light straight through: its back face, if it has one close by, is part of it.
-///
-/// Blinds and leaves are often modelled as thin boxes with a `mask`. Their opacity is meant for the
-/// sheet, not for each face of it, and Mitsuba renders it so, because its rays start 1,500 roundings
-/// beyond the front face. Ours start right behind it, so the rule is stated: the same shape, met
-/// again within that distance, is not met.
-#[derive(Clone, Copy, Debug)]
-struct Sheet {
-    shape: ShapeId,
-    thickness: f32,
 }
 
 /// Where a path has met a surface.
@@ -103,19 +92,6 @@ impl State {
             radiance: Spectrum::ZERO,
             alpha: 0.0,
         }
-    }
-}
-
-impl Sheet {
-    fn at(surface: &SurfaceInteraction) -> Self {
-        let thickness = (1.0 + surface.point.abs().max_element()) * 1500.0 * (0.5 * f32::EPSILON);
-        Self { shape: surface.shape, thickness }
-    }
-
-    /// Whether the sheet's other face is met within the thickness that is left, which shrinks.
-    fn holds(&mut self, surface: &SurfaceInteraction) -> bool {
-        self.thickness -= surface.t;
-        surface.shape == self.shape && self.thickness >= 0.0
     }
 }
 
@@ -207,7 +183,8 @@ impl<'a> Wave<'a> {
         self.lights.clear();
         for (Vertex { surface, .. }, numbers) in self.vertices.iter().zip(&self.numbers) {
             let wanted = integrator.emitter_sampling && scene.may_reflect_emitters(surface);
-            self.lights.push(wanted.then(|| sample_light(scene, surface, numbers.light)).flatten());
+            self.lights
+                .push(wanted.then(|| sample_light(scene, surface.point, numbers.light)).flatten());
         }
     }
 
