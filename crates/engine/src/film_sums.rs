@@ -238,7 +238,8 @@ impl FilmSums {
             let column = (pixel_x - self.region.x) / self.tile_side;
             let row = (pixel_y - self.region.y) / self.tile_side;
             let tile = unlocked(&mut self.tiles[places[(row * columns + column) as usize]]);
-            let pixel = (pixel_y - tile.region.y) * tile.region.width + pixel_x - tile.region.x;
+            let (left, top) = (pixel_x - tile.region.x, pixel_y - tile.region.y);
+            let pixel = top * tile.region.width + left;
             tile.merge_pixel(pixel as usize, other, other_pixel);
             if other_pixel == 0 {
                 tile.defects.merge(&other.defects);
