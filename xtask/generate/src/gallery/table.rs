@@ -100,6 +100,13 @@ pub(super) const SECTIONS: &[Section] = &[
         pictures: &[Entry::plain("textures", "", 384)],
     },
     Section {
+        heading: "Smoke",
+        scene: "smoke",
+        text: "A `heterogeneous` medium over a `gridvolume`, lit by a lamp and by the ember below, and \
+               rendered by `volpath`.",
+        pictures: &[Entry::plain("smoke", "", 512)],
+    },
+    Section {
         heading: "Soft shadows",
         scene: "soft-shadows",
         text: "The same power from `area` lights of side 0.1, 1.2 and 3.6.",
