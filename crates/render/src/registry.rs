@@ -65,6 +65,9 @@ pub static BSDFS: &[Plugin<BuildMaterial>] = &[
     plugin("bumpmap", &bsdf::bumpmap::MANUAL, |b, p| {
         bsdf::bumpmap::build(b, p).map(Material::BumpMap)
     }),
+    plugin("circular", &bsdf::circular::MANUAL, |b, p| {
+        bsdf::circular::build(b, p).map(Material::Null)
+    }),
     plugin("conductor", &bsdf::conductor::MANUAL, |b, p| {
         bsdf::conductor::build(b, p).map(Material::Conductor)
     }),
@@ -86,11 +89,17 @@ pub static BSDFS: &[Plugin<BuildMaterial>] = &[
     plugin("plastic", &bsdf::plastic::MANUAL, |b, p| {
         bsdf::plastic::build(b, p).map(Material::Plastic)
     }),
+    plugin("polarizer", &bsdf::polarizer::MANUAL, |b, p| {
+        bsdf::polarizer::build(b, p).map(Material::Null)
+    }),
     plugin("principled", &bsdf::principled::MANUAL, |b, p| {
         bsdf::principled::build(b, p).map(Material::Principled)
     }),
     plugin("principledthin", &bsdf::principledthin::MANUAL, |b, p| {
         bsdf::principledthin::build(b, p).map(Material::PrincipledThin)
+    }),
+    plugin("retarder", &bsdf::retarder::MANUAL, |b, p| {
+        bsdf::retarder::build(b, p).map(Material::Null)
     }),
     plugin("roughconductor", &bsdf::roughconductor::MANUAL, |b, p| {
         bsdf::roughconductor::build(b, p).map(Material::RoughConductor)
@@ -304,10 +313,8 @@ pub fn report_unknown(parameters: &Parameters<'_>, names: impl Iterator<Item = &
 
 /// What to do instead of using a plugin of Mitsuba that has no equal here, not even a near one.
 fn unsupported(class: Class, plugin: &str) -> Option<&'static str> {
-    let polarising = ["circular", "measured_polarized", "polarizer", "retarder"];
-    (class == Class::Bsdf && polarising.contains(&plugin)).then_some(
-        "light has no polarisation here; give the shape another material, such as `null`, which \
-         lets all light pass",
+    (class == Class::Bsdf && plugin == "measured_polarized").then_some(
+        "light has no polarisation here; give the shape another material, such as `measured`",
     )
 }
 

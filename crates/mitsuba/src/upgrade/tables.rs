@@ -93,7 +93,6 @@ static APPROXIMATED: &[Approximated] = &[
         "which has no radial distortion",
     ),
     approximated(Class::Bsdf, "pplastic", "roughplastic", "which knows no polarisation"),
-    approximated(Class::Bsdf, "retarder", "null", "which knows no polarisation"),
     approximated(Class::Film, "specfilm", "hdrfilm", "which records three colours, not bands"),
     approximated(Class::Film, "tiledhdrfilm", "hdrfilm", "which writes the file at the end"),
 ];

@@ -17,6 +17,7 @@
 
 pub mod blendbsdf;
 pub mod bumpmap;
+pub mod circular;
 mod coat;
 pub mod conductor;
 pub mod dielectric;
@@ -32,8 +33,10 @@ pub mod microfacet;
 pub mod normalmap;
 pub mod null;
 pub mod plastic;
+pub mod polarizer;
 pub mod principled;
 pub mod principledthin;
+pub mod retarder;
 pub mod roughconductor;
 pub mod roughdielectric;
 pub mod roughdiffuse;

@@ -1,10 +1,10 @@
-//! `null`: a surface that is not there.
+//! `null`: a surface that is not there, and what lets light go straight on but for a share of it.
 
 use super::{BsdfSample, Closure, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::Manual;
-use crate::texture::Textures;
+use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
@@ -16,27 +16,44 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="null"/>"#,
 };
 
-/// A surface that is not there.
+/// A surface that turns no light aside: not there at all, or a filter.
 #[derive(Clone, Copy, Debug)]
-pub struct Null;
+pub struct Null {
+    transmittance: ColorSource,
+    /// A factor on the transmittance.
+    share: f32,
+}
 
 /// Reads the parameters: there are none.
 pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<Null> {
-    Some(Null)
+    Some(Null { transmittance: ColorSource::Constant(Spectrum::ONE), share: 1.0 })
 }
 
 impl Null {
-    /// The same at every hit.
+    /// A filter that lets `share` of a transmittance through.
+    #[must_use]
+    pub fn filter(transmittance: ColorSource, share: f32) -> Self {
+        Self { transmittance, share }
+    }
+
+    /// Reads the texture at a hit.
     #[inline]
     #[must_use]
-    pub fn resolve(&self, _textures: Textures<'_>, _surface: &SurfaceInteraction) -> NullClosure {
-        NullClosure
+    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> NullClosure {
+        NullClosure { transmittance: self.transmittance.eval(textures, surface) * self.share }
     }
 }
 
-/// Light goes straight on.
+/// Light goes straight on, as much of it as is let through.
 #[derive(Clone, Copy, Debug)]
-pub struct NullClosure;
+pub struct NullClosure {
+    transmittance: Spectrum,
+}
+
+impl NullClosure {
+    /// All light goes straight on.
+    pub const CLEAR: Self = Self { transmittance: Spectrum::ONE };
+}
 
 impl Closure for NullClosure {
     #[inline]
@@ -52,12 +69,13 @@ impl Closure for NullClosure {
         _direction: Vec2,
         _transport: Transport,
     ) -> Option<BsdfSample> {
-        Some(BsdfSample { wo: -wi, weight: Spectrum::ONE, pdf: 1.0, eta: 1.0, lobe: Lobe::Null })
+        let weight = self.transmittance;
+        Some(BsdfSample { wo: -wi, weight, pdf: 1.0, eta: 1.0, lobe: Lobe::Null })
     }
 
     #[inline]
     fn straight(&self, _wi: Vec3) -> (Spectrum, f32) {
-        (Spectrum::ONE, 1.0)
+        (self.transmittance, 1.0)
     }
 
     #[inline]
@@ -66,7 +84,7 @@ impl Closure for NullClosure {
     }
 
     fn albedo(&self, _wi: Vec3) -> Spectrum {
-        Spectrum::ONE
+        self.transmittance
     }
 }
 

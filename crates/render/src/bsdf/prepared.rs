@@ -122,7 +122,7 @@ materials! {
         Hair: hair::Hair => hair::HairClosure<'a>,
         /// A material measured in the laboratory.
         Measured: measured::Measured => measured::MeasuredClosure<'a>,
-        /// No surface at all.
+        /// No surface at all, or one that filters what goes straight through.
         Null: null::Null => null::NullClosure,
     }
     wrappers {
@@ -358,7 +358,7 @@ impl<'a> Bsdf<'a> {
 
     /// Adds the straight-through lobe of what is not covered.
     pub fn push_null(&mut self, placement: Placement) {
-        self.push(Leaf { closure: AnyClosure::Null(null::NullClosure), placement });
+        self.push(Leaf { closure: AnyClosure::Null(null::NullClosure::CLEAR), placement });
     }
 
     fn push(&mut self, leaf: Leaf<'a>) {

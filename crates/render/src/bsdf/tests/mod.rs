@@ -84,6 +84,11 @@ const CONFIGURATIONS: &[Configuration] = &[
     one_way(r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.8, 0.4, 0.8"/><bsdf type="roughdielectric"><float name="alpha" value="0.4"/></bsdf></bsdf>"#),
     one_way(r#"<bsdf type="twosided"><bsdf type="normalmap"><rgb name="normalmap" value="0.3, 0.4, 0.9"/><bsdf type="diffuse"/></bsdf></bsdf>"#),
     one_way(r#"<bsdf type="bumpmap"><texture type="checkerboard"/><bsdf type="diffuse"/></bsdf>"#),
+    plain(r#"<bsdf type="polarizer"/>"#),
+    plain(r#"<bsdf type="polarizer"><float name="theta" value="30"/><rgb name="transmittance" value="0.2, 0.4, 0.8"/><boolean name="polarizing" value="false"/></bsdf>"#),
+    plain(r#"<bsdf type="circular"><rgb name="transmittance" value="0.2, 0.4, 0.8"/><boolean name="left_handed" value="true"/></bsdf>"#),
+    plain(r#"<bsdf type="retarder"><float name="theta" value="30"/><float name="delta" value="45"/><rgb name="transmittance" value="0.2, 0.4, 0.8"/></bsdf>"#),
+    lossless(r#"<bsdf type="retarder"/>"#),
 ];
 
 impl Configuration {

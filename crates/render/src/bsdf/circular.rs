@@ -1,0 +1,44 @@
+//! `circular`: an ideal circular polarizer, as unpolarised light meets it.
+
+use super::inputs::reflectance;
+use super::null::Null;
+use super::polarizer::{SHARE, TRANSMITTANCE};
+use crate::builder::Builder;
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "An ideal circular polarizer: half of the light goes straight through, which stays \
+              unpolarised here; see `polarizer`.",
+    parameters: &[
+        TRANSMITTANCE,
+        parameter(
+            "left_handed",
+            "boolean",
+            "false",
+            "The handedness that is let through. Of unpolarised light it is half in either case.",
+        ),
+    ],
+    sample: r#"<bsdf type="circular"><float name="transmittance" value="0.9"/></bsdf>"#,
+};
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Null> {
+    // It is read for its mistakes alone: see the manual.
+    parameters.boolean("left_handed", false);
+    Some(Null::filter(reflectance(builder, parameters, "transmittance", 1.0), SHARE))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::assert_same;
+
+    #[test]
+    fn it_is_a_linear_polarizer_to_unpolarised_light() {
+        assert_same(
+            r#"<bsdf type="circular"><float name="transmittance" value="0.7"/></bsdf>"#,
+            r#"<bsdf type="polarizer"><float name="transmittance" value="0.7"/></bsdf>"#,
+        );
+    }
+}

@@ -1,0 +1,51 @@
+//! `retarder`: an ideal linear retarder (a wave plate), as unpolarised light meets it.
+
+use super::inputs::reflectance;
+use super::null::Null;
+use super::polarizer::TRANSMITTANCE;
+use crate::builder::Builder;
+use crate::manual::{Manual, parameter};
+use etendue_document::Parameters;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "An ideal linear retarder, or wave plate: all light goes straight through. A shift of \
+              phase changes polarised light alone, and light is unpolarised here.",
+    parameters: &[
+        parameter(
+            "theta",
+            "float or texture",
+            "0",
+            "The angle of the fast axis (degrees). Unpolarised light knows none.",
+        ),
+        parameter(
+            "delta",
+            "float or texture",
+            "90",
+            "The phase between the slow and the fast axis (degrees). Unpolarised light knows none.",
+        ),
+        TRANSMITTANCE,
+    ],
+    sample: r#"<bsdf type="retarder"><float name="delta" value="180"/></bsdf>"#,
+};
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Null> {
+    // They are read for their mistakes alone: see the manual.
+    builder.scalar(parameters, "theta", 0.0);
+    builder.scalar(parameters, "delta", 90.0);
+    Some(Null::filter(reflectance(builder, parameters, "transmittance", 1.0), 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::assert_same;
+
+    #[test]
+    fn a_clear_plate_is_nothing_to_unpolarised_light() {
+        assert_same(
+            r#"<bsdf type="retarder"><float name="theta" value="20"/></bsdf>"#,
+            r#"<bsdf type="null"/>"#,
+        );
+    }
+}
