@@ -1,7 +1,7 @@
 //! `aov`: what is seen first, as numbers: for compositing, denoising and looking into a scene.
 
-use crate::nested::{Nested, write};
-use crate::{Integrator, Radiance, Start};
+use crate::nested::{Nested, Rows, sample_alone, write};
+use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters, list_names, near_names};
 use etendue_math::Ray;
 use etendue_render::bsdf::Bsdf;
@@ -151,19 +151,36 @@ impl Integrator for Aov {
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance {
+        sample_alone(self, scene, start, stream, layers)
+    }
+
+    fn sample_batch(
+        &self,
+        scene: &Scene,
+        rays: &mut [CameraRay],
+        layers: &mut [f32],
+        radiance: &mut Vec<Radiance>,
+    ) {
+        let mut rows = Rows::new(layers, self.layers.len());
         let mut first = None;
-        let mut rest = layers;
         for nested in &self.nested {
-            let (radiance, after) = nested.sample(scene, start, stream, rest);
-            let [red, green, blue] = radiance.color.rgb();
-            rest = write(after, &[red, green, blue, radiance.alpha]);
-            first.get_or_insert(radiance);
+            let seen = nested.sample_batch(scene, rays, &mut rows);
+            rows.append(4, |row| {
+                let [red, green, blue] = seen[row].color.rgb();
+                [red, green, blue, seen[row].alpha]
+            });
+            first.get_or_insert(seen);
         }
-        let surface = scene.intersect(&start.ray);
-        if let Some(surface) = &surface {
-            self.fill(scene, surface, rest);
+        let surfaces: Vec<_> = rays.iter().map(|ray| scene.intersect(&ray.start.ray)).collect();
+        for (surface, row) in surfaces.iter().zip(rows.rest()) {
+            if let Some(surface) = surface {
+                self.fill(scene, surface, row);
+            }
         }
-        let alone = Radiance { alpha: if surface.is_some() { 1.0 } else { 0.0 }, ..Radiance::NONE };
-        first.unwrap_or(alone)
+        let alone = |surface: &Option<SurfaceInteraction>| Radiance {
+            alpha: if surface.is_some() { 1.0 } else { 0.0 },
+            ..Radiance::NONE
+        };
+        radiance.extend(first.unwrap_or_else(|| surfaces.iter().map(alone).collect()));
     }
 }

@@ -1,7 +1,7 @@
 //! `moment`: the results of other integrators, and their squares.
 
-use crate::nested::{Nested, write};
-use crate::{Integrator, Radiance, Start};
+use crate::nested::{Nested, Rows, sample_alone};
+use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_math::Ray;
 use etendue_render::{Manual, Scene};
 use etendue_sampling::SampleStream;
@@ -63,17 +63,30 @@ impl Integrator for Moment {
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance {
-        let (values, squares) = layers.split_at_mut(layers.len() / 2);
+        sample_alone(self, scene, start, stream, layers)
+    }
+
+    fn sample_batch(
+        &self,
+        scene: &Scene,
+        rays: &mut [CameraRay],
+        layers: &mut [f32],
+        radiance: &mut Vec<Radiance>,
+    ) {
+        let width = self.layers.len();
+        let mut rows = Rows::new(layers, width);
         let mut first = None;
-        let mut rest = &mut values[..];
         for nested in &self.nested {
-            let (radiance, after) = nested.sample(scene, start, stream, rest);
-            rest = write(after, &rgb_to_xyz(radiance.color.rgb()));
-            first.get_or_insert(radiance);
+            let seen = nested.sample_batch(scene, rays, &mut rows);
+            rows.append(3, |row| rgb_to_xyz(seen[row].color.rgb()));
+            first.get_or_insert(seen);
         }
-        for (square, value) in squares.iter_mut().zip(values) {
-            *square = *value * *value;
+        for row in layers.chunks_exact_mut(width.max(1)) {
+            let (values, squares) = row.split_at_mut(width / 2);
+            for (square, value) in squares.iter_mut().zip(values) {
+                *square = *value * *value;
+            }
         }
-        first.unwrap_or(Radiance::NONE)
+        radiance.extend(first.unwrap_or_else(|| vec![Radiance::NONE; rays.len()]));
     }
 }

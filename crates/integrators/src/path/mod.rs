@@ -2,6 +2,7 @@
 
 mod wave;
 
+use crate::nested::sample_alone;
 use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters};
 use etendue_math::Ray;
@@ -89,11 +90,9 @@ impl Integrator for Path {
         scene: &Scene,
         ray: &Ray,
         stream: &mut SampleStream,
-        _: &mut [f32],
+        layers: &mut [f32],
     ) -> Radiance {
-        let start = Start { ray: *ray, medium: None };
-        let rays = [CameraRay { start, stream: *stream }];
-        Wave::new(self, scene, &rays).trace().next().unwrap_or(Radiance::NONE)
+        sample_alone(self, scene, &Start { ray: *ray, medium: None }, stream, layers)
     }
 
     fn sample_batch(
