@@ -44,18 +44,50 @@ use vertices::read_vertices;
 pub fn read_ply(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     let mut cursor = TextCursor::new(bytes);
     let header = Header::read(&mut cursor)?;
-    check_vertex_count(header.vertex_count())?;
     if !header.elements.iter().any(Element::is_faces) {
         return Err(MeshError::new(
             MeshErrorKind::Unsupported,
             "the file has no element `face`: point clouds and triangle strips are not read",
         ));
     }
+    read_body(bytes, cursor, &header)
+}
+
+/// Reads the vertices of a PLY file alone, as [`read_ply`] does: a cloud of points with attributes.
+/// Faces are left out, whether there are any or not.
+///
+/// # Errors
+///
+/// As [`read_ply`], and [`MeshErrorKind::Unsupported`] for a file without vertices.
+pub fn read_ply_points(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
+    let mut cursor = TextCursor::new(bytes);
+    let mut header = Header::read(&mut cursor)?;
+    let Some(vertices) = header.elements.iter().position(Element::is_vertices) else {
+        return Err(MeshError::new(
+            MeshErrorKind::Unsupported,
+            "the file has no element `vertex`: there are no points",
+        ));
+    };
+    header.elements.truncate(vertices + 1);
+    // Faces that come before the vertices are skipped like any other element.
+    for element in &mut header.elements[..vertices] {
+        element.name.clear();
+    }
+    read_body(bytes, cursor, &header)
+}
+
+/// Reads what comes after the header.
+fn read_body(
+    bytes: &[u8],
+    cursor: TextCursor<'_>,
+    header: &Header,
+) -> Result<TriangleMesh, MeshError> {
+    check_vertex_count(header.vertex_count())?;
     let mut mesh = match header.encoding {
-        Encoding::Ascii => read_elements(&header, AsciiSource::new(cursor))?,
+        Encoding::Ascii => read_elements(header, AsciiSource::new(cursor))?,
         Encoding::Binary(order) => {
             let body = cursor.rest();
-            read_elements(&header, BinarySource::new(body, bytes.len() - body.len(), order))?
+            read_elements(header, BinarySource::new(body, bytes.len() - body.len(), order))?
         }
     };
     mesh.indices.shrink_to_fit();

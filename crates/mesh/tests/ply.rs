@@ -1,6 +1,8 @@
 //! PLY files in every encoding, with properties in every order, and what becomes of them.
 
-use etendue_mesh::{Attribute, AttributeDomain, MeshErrorKind, TriangleMesh, read_ply, write_ply};
+use etendue_mesh::{
+    Attribute, AttributeDomain, MeshErrorKind, TriangleMesh, read_ply, read_ply_points, write_ply,
+};
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 
@@ -209,6 +211,27 @@ fn faces_may_come_before_vertices() {
     assert_eq!(read(&header, &body).map(|mesh| mesh.indices), Ok(vec![[2, 0, 1]]));
     body[1] = Int(3);
     assert_eq!(read(&header, &body), Err(MeshErrorKind::OutOfRange));
+}
+
+#[test]
+fn points_need_no_faces() {
+    let bytes = |header: &str, body: &str| {
+        format!("ply\nformat ascii 1.0\n{header}end_header\n{body}").into_bytes()
+    };
+    let header = format!("element vertex 2\n{POSITIONS}property float weight\n");
+    let cloud = read_ply_points(&bytes(&header, "0 1 0 7\n2 3 0 8\n")).expect("two points");
+    assert_eq!(cloud.positions, [Vec3::new(0.0, 1.0, 0.0), Vec3::new(2.0, 3.0, 0.0)]);
+    assert_eq!(cloud.attributes[0].values, [7.0, 8.0]);
+    // Faces are left out, before the vertices as after them, even where they are wrong.
+    let before = format!("element face 1\n{CORNERS}element vertex 1\n{POSITIONS}");
+    let cloud = read_ply_points(&bytes(&before, "3 0 1 9\n1 2 3\n")).expect("a point");
+    assert_eq!((cloud.positions.len(), cloud.indices.len()), (1, 0));
+    let after = format!("element vertex 1\n{POSITIONS}element face 1\n{CORNERS}");
+    let cloud = read_ply_points(&bytes(&after, "1 2 3\n3 0 1 9\n")).expect("a point");
+    assert_eq!((cloud.positions.len(), cloud.indices.len()), (1, 0));
+    let faces = format!("element face 1\n{CORNERS}");
+    let error = read_ply_points(&bytes(&faces, "3 0 1 9\n")).expect_err("no points");
+    assert_eq!(error.kind, MeshErrorKind::Unsupported);
 }
 
 #[test]

@@ -131,6 +131,12 @@ pub static SHAPES: &[Plugin<BuildGeometry>] = &[
         shape::cylinder::build(p).map(Geometry::Cylinder)
     }),
     plugin("disk", &shape::disk::MANUAL, |_, p| shape::disk::build(p).map(Geometry::Disk)),
+    plugin("ellipsoids", &shape::ellipsoids::MANUAL, |a, p| {
+        shape::ellipsoids::build(a, p).map(|cloud| Geometry::Ellipsoids(Box::new(cloud)))
+    }),
+    plugin("ellipsoidsmesh", &shape::ellipsoidsmesh::MANUAL, |a, p| {
+        shape::ellipsoidsmesh::build(a, p).map(|cloud| Geometry::EllipsoidsMesh(Box::new(cloud)))
+    }),
     plugin("linearcurve", &shape::linearcurve::MANUAL, |a, p| {
         shape::linearcurve::build(a, p).map(|curve| Geometry::LinearCurve(Box::new(curve)))
     }),

@@ -404,6 +404,8 @@ impl Scene {
                 Geometry::LinearCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
                 Geometry::BSplineCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
                 Geometry::SdfGrid(grid) => statistics.mesh_bytes += grid.memory_bytes(),
+                Geometry::Ellipsoids(cloud) => statistics.mesh_bytes += cloud.memory_bytes(),
+                Geometry::EllipsoidsMesh(cloud) => statistics.mesh_bytes += cloud.memory_bytes(),
                 Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {}
             }
         }
@@ -426,6 +428,8 @@ impl Scene {
                 (t, Vec2::new(s, 0.0))
             }
             Geometry::SdfGrid(grid) => (grid.intersect(primitive, ray)?, Vec2::ZERO),
+            Geometry::Ellipsoids(cloud) => (cloud.intersect(primitive, ray)?, Vec2::ZERO),
+            Geometry::EllipsoidsMesh(cloud) => cloud.intersect(primitive, ray)?,
             Geometry::Mesh(_) | Geometry::Instance(_) => return None,
         };
         Some(PrimitiveHit { t, u: local.x, v: local.y })

@@ -48,6 +48,7 @@ fn resources() -> MemoryResources {
         .with("sample.obj", write_obj(&mesh()))
         .with("sample.ply", write_ply(&mesh()))
         .with("curves.txt", b"0 0 0 1\n1 0 0 1\n2 0 0 1\n3 0 0 1\n".to_vec())
+        .with("ellipsoids.ply", include_bytes!("data/ellipsoids.ply").to_vec())
         .with("sample.bsdf", include_bytes!("../src/bsdf/measured/isotropic.bsdf").to_vec())
         .with("sample.serialized", serialized())
         .with("smoke.vol", volume())

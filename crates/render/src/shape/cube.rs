@@ -35,7 +35,8 @@ const FACES: [[Vec3; 3]; 6] = [
     [Vec3::NEG_Y, Vec3::X, Vec3::NEG_Z],
 ];
 
-fn unit_cube() -> TriangleMesh {
+/// The cube before it is placed.
+pub(super) fn unit_cube() -> TriangleMesh {
     let mut mesh = TriangleMesh { name: "cube".to_owned(), ..TriangleMesh::default() };
     for (face, [u_axis, v_axis, normal]) in (0_u32..).zip(FACES) {
         let right_handed = u_axis.cross(v_axis).dot(normal) > 0.0;

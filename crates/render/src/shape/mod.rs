@@ -12,6 +12,9 @@ pub mod cube;
 pub mod curve_file;
 pub mod cylinder;
 pub mod disk;
+pub mod ellipsoid_file;
+pub mod ellipsoids;
+pub mod ellipsoidsmesh;
 pub mod instance;
 pub mod linearcurve;
 pub mod mesh;
@@ -61,6 +64,10 @@ pub enum Geometry {
     BSplineCurve(Box<bsplinecurve::BSplineCurve>),
     /// A signed distance on a grid.
     SdfGrid(Box<sdfgrid::SdfGrid>),
+    /// A cloud of ellipsoids.
+    Ellipsoids(Box<ellipsoids::Ellipsoids>),
+    /// A cloud of ellipsoids in shells of triangles.
+    EllipsoidsMesh(Box<ellipsoidsmesh::EllipsoidsMesh>),
     /// A shape group placed in the scene.
     Instance(instance::Instance),
 }
@@ -154,7 +161,11 @@ impl Geometry {
             Self::Disk(disk) => disk.bounds(),
             Self::Cylinder(cylinder) => cylinder.bounds(),
             Self::RevSurface(surface) => surface.bounds(),
-            Self::LinearCurve(_) | Self::BSplineCurve(_) | Self::SdfGrid(_) => {
+            Self::LinearCurve(_)
+            | Self::BSplineCurve(_)
+            | Self::SdfGrid(_)
+            | Self::Ellipsoids(_)
+            | Self::EllipsoidsMesh(_) => {
                 self.primitive_boxes().into_iter().fold(Bounds3::EMPTY, Bounds3::union)
             }
             Self::Instance(instance) => instance.bounds(),
@@ -170,6 +181,8 @@ impl Geometry {
             Self::LinearCurve(curve) => curve.boxes(),
             Self::BSplineCurve(curve) => curve.boxes(),
             Self::SdfGrid(grid) => grid.boxes(),
+            Self::Ellipsoids(cloud) => cloud.boxes(),
+            Self::EllipsoidsMesh(cloud) => cloud.boxes(),
             _ => vec![self.bounds()],
         }
     }
@@ -195,6 +208,10 @@ impl Geometry {
             Self::LinearCurve(curve) => curve.surface_point(hit.primitive, ray, hit.t),
             Self::BSplineCurve(curve) => curve.surface_point(hit.primitive, ray, (hit.t, hit.u)),
             Self::SdfGrid(grid) => grid.surface_point(hit.primitive, ray, hit.t),
+            Self::Ellipsoids(cloud) => cloud.surface_point(hit.primitive, ray),
+            Self::EllipsoidsMesh(cloud) => {
+                cloud.surface_point(hit.primitive, Vec2::new(hit.u, hit.v))
+            }
             Self::Instance(_) => SurfacePoint::NOWHERE,
         }
     }
@@ -207,6 +224,8 @@ impl Geometry {
             Self::LinearCurve(curve) => curve.segment_count(),
             Self::BSplineCurve(curve) => curve.segment_count(),
             Self::SdfGrid(grid) => grid.voxel_count(),
+            Self::Ellipsoids(cloud) => cloud.count(),
+            Self::EllipsoidsMesh(cloud) => cloud.triangle_count(),
             _ => 1,
         }
     }
@@ -245,8 +264,8 @@ impl Shape {
         self.geometry.bounds()
     }
 
-    /// The area of the surface; zero for instances, curves and distances on a grid, which are
-    /// not sampled as lights.
+    /// The area of the surface; zero for instances, curves, distances on a grid and clouds
+    /// of ellipsoids, which are not sampled as lights.
     #[must_use]
     pub fn area(&self) -> f32 {
         match &self.geometry {
@@ -258,6 +277,8 @@ impl Shape {
             Geometry::LinearCurve(_)
             | Geometry::BSplineCurve(_)
             | Geometry::SdfGrid(_)
+            | Geometry::Ellipsoids(_)
+            | Geometry::EllipsoidsMesh(_)
             | Geometry::Instance(_) => 0.0,
         }
     }
@@ -274,6 +295,8 @@ impl Shape {
             Geometry::LinearCurve(_)
             | Geometry::BSplineCurve(_)
             | Geometry::SdfGrid(_)
+            | Geometry::Ellipsoids(_)
+            | Geometry::EllipsoidsMesh(_)
             | Geometry::Instance(_) => None,
         }
     }
