@@ -4,7 +4,7 @@
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, Transport};
 use etendue_render::emitter::DirectionSample;
-use etendue_render::{Scene, SurfaceInteraction};
+use etendue_render::{Hit, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 
@@ -149,20 +149,32 @@ pub(crate) fn sample_light(
     Some(light)
 }
 
-/// What a camera ray hits first, emitters left out if they are to be hidden.
+/// What a camera ray hits first, emitters left out if they are to be hidden: distances then count from
+/// the last of them.
 #[inline]
 pub(crate) fn first_hit(
     scene: &Scene,
     ray: &Ray,
     hide_emitters: bool,
 ) -> Option<SurfaceInteraction> {
-    let mut surface = scene.intersect(ray)?;
-    let mut travelled = surface.t;
-    while hide_emitters && scene.emitter_of(&surface).is_some() {
-        let beyond = Ray { t_max: ray.t_max - travelled, ..surface.spawn_ray(ray.direction) };
-        surface = scene.intersect(&beyond)?;
-        travelled += surface.t;
-        surface.t = travelled;
+    let mut ray = *ray;
+    let mut hit = scene.closest_hit(&ray)?;
+    if hide_emitters {
+        hit = beyond_emitters(scene, &mut ray, hit)?;
     }
-    Some(surface)
+    Some(scene.interaction(&ray, &hit))
+}
+
+/// Goes on through emitters that are hidden from the camera. The ray then starts at the last of them,
+/// and ends where it did.
+#[cold]
+pub(crate) fn beyond_emitters(scene: &Scene, ray: &mut Ray, mut hit: Hit) -> Option<Hit> {
+    loop {
+        let surface = scene.interaction(ray, &hit);
+        if scene.emitter_of(&surface).is_none() {
+            return Some(hit);
+        }
+        *ray = Ray { t_max: ray.t_max - surface.t, ..surface.spawn_ray(ray.direction) };
+        hit = scene.closest_hit(ray)?;
+    }
 }

@@ -105,14 +105,16 @@ impl Build<'_> {
     }
 
     fn by_name(&self, name: &str) -> Option<Box<dyn Integrator>> {
-        match INTEGRATORS.iter().find(|plugin| plugin.name == name) {
-            Some(plugin) => (plugin.build)(self),
-            None => {
-                report_unknown(self.parameters, INTEGRATORS.iter().map(|plugin| plugin.name));
-                None
-            }
-        }
+        let Some(plugin) = find(name) else {
+            report_unknown(self.parameters, INTEGRATORS.iter().map(|plugin| plugin.name));
+            return None;
+        };
+        (plugin.build)(self)
     }
+}
+
+fn find(name: &str) -> Option<&'static IntegratorPlugin> {
+    INTEGRATORS.iter().find(|plugin| plugin.name == name)
 }
 
 /// The integrator of a scene, or a path tracer where the file has none; `None` after reporting what
@@ -130,22 +132,19 @@ pub fn build_integrator(
         (None, Some(_)) => parameters.plugin(),
         (None, None) => "path",
     };
-    let Some(plugin) = INTEGRATORS.iter().find(|plugin| plugin.name == name) else {
-        if options.name.is_some() {
-            let message = format!("there is no integrator `{name}`");
-            diagnostics.error(Fault::UnknownPlugin, None, message);
-        } else {
-            report_unknown(&parameters, INTEGRATORS.iter().map(|plugin| plugin.name));
-        }
+    // Where the user of the library named it, no place in the scene is at fault.
+    if options.name.is_some() && find(name).is_none() {
+        let message = format!("there is no integrator `{name}`");
+        diagnostics.error(Fault::UnknownPlugin, None, message);
         return None;
-    };
-    let integrator = (plugin.build)(&Build { parameters: &parameters, options, nesting: 0 });
+    }
+    let integrator = Build { parameters: &parameters, options, nesting: 0 }.by_name(name)?;
     warn_of_media(document, name, parameters.span(), diagnostics);
     // Parameters of the scene's own integrator may mean nothing to another one.
     if of_scene.is_some() && options.name.is_none() {
         parameters.finish();
     }
-    if diagnostics.has_errors() { None } else { integrator }
+    if diagnostics.has_errors() { None } else { Some(integrator) }
 }
 
 /// Says so where surfaces hold media, and the integrator renders surfaces alone.

@@ -8,7 +8,7 @@
 //! closures costs more than it gains).
 
 use super::Path;
-use crate::light::{NextEvent, Origin, distant, emitted, sample_light};
+use crate::light::{NextEvent, Origin, beyond_emitters, distant, emitted, sample_light};
 use crate::sheet::Sheet;
 use crate::{CameraRay, Radiance};
 use etendue_math::Ray;
@@ -136,8 +136,10 @@ impl<'a> Wave<'a> {
     fn look_beyond(&mut self) {
         for ((&index, ray), hit) in self.active.iter().zip(&mut self.rays).zip(&mut self.hits) {
             let path = &mut self.paths[index];
-            if path.sheet.is_some() || (self.integrator.hide_emitters && path.depth == 0) {
-                *hit = hit.and_then(|hit| skip(self.scene, path, ray, hit));
+            if let Some(sheet) = path.sheet.take() {
+                *hit = hit.and_then(|hit| beyond_sheet(self.scene, sheet, ray, hit));
+            } else if self.integrator.hide_emitters && path.depth == 0 {
+                *hit = hit.and_then(|hit| beyond_emitters(self.scene, ray, hit));
             }
         }
     }
@@ -302,17 +304,12 @@ impl Path {
     }
 }
 
-/// Goes on through emitters that are hidden, or through the rest of a sheet.
+/// Goes on through the rest of a sheet.
 #[cold]
-fn skip(scene: &Scene, path: &mut State, ray: &mut Ray, mut hit: Hit) -> Option<Hit> {
-    let mut sheet = path.sheet.take();
+fn beyond_sheet(scene: &Scene, mut sheet: Sheet, ray: &mut Ray, mut hit: Hit) -> Option<Hit> {
     loop {
         let surface = scene.interaction(ray, &hit);
-        let skipped = match &mut sheet {
-            Some(sheet) => sheet.holds(&surface),
-            None => scene.emitter_of(&surface).is_some(),
-        };
-        if !skipped {
+        if !sheet.holds(&surface) {
             return Some(hit);
         }
         *ray = surface.spawn_ray(ray.direction);
