@@ -23,6 +23,14 @@ fn grid() -> Vec<u8> {
     [b"VOL\x03".to_vec(), header, bounds, values].concat()
 }
 
+/// Microflakes in the unit cube that differ from cell to cell.
+fn flakes() -> Vec<u8> {
+    let header = [1, 2, 1, 1, 6].map(i32::to_le_bytes).concat();
+    let bounds = [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0].map(f32::to_le_bytes).concat();
+    let values = [0.2_f32, 0.9, 0.4, 0.1, 0.0, 0.1, 0.7, 0.3, 0.8, 0.0, -0.2, 0.1];
+    [b"VOL\x03".to_vec(), header, bounds, values.map(f32::to_le_bytes).concat()].concat()
+}
+
 /// An integrator that takes paths of any length.
 fn unlimited(name: &str) -> String {
     format!(r#"<integrator type="{name}"/>"#)
@@ -35,7 +43,8 @@ fn limited(name: &str, depth: u32) -> String {
 
 fn setup(integrator: &str, text: &str, emitter_sampling: bool) -> Setup {
     let diagnostics = Diagnostics::new();
-    let resources = MemoryResources::default().with("grid.vol", grid());
+    let resources =
+        MemoryResources::default().with("grid.vol", grid()).with("flakes.vol", flakes());
     let text =
         format!(r#"<scene version="3.0.0">{integrator}{text}<sensor type="perspective"/></scene>"#);
     let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics)
@@ -136,6 +145,23 @@ fn a_furnace_stays_even_where_nothing_is_absorbed() {
                 assert_close(&format!("{integrator} {medium} {bsdf}"), &found, [1.0; 3]);
             }
         }
+    }
+}
+
+/// The same of flakes that differ from place to place: the majorant bounds what they show.
+#[test]
+fn a_furnace_of_flakes_on_a_grid_stays_even() {
+    let flakes = r#"<phase type="sggx"><volume name="S" type="gridvolume">
+        <string name="filename" value="flakes.vol"/>
+        <transform name="to_world"><translate value="-0.5"/><scale value="2"/></transform></volume></phase>"#;
+    let medium = r#"type="heterogeneous"><float name="albedo" value="1"/><volume name="sigma_t" type="constvolume">
+        <float name="value" value="2"/>
+        <transform name="to_world"><translate value="-0.5"/><scale value="1.1"/></transform></volume>"#;
+    let text = ball(&format!("{medium}{flakes}"), "null") + r#"<emitter type="constant"/>"#;
+    for integrator in INTEGRATORS {
+        let ray = Ray::new(Vec3::new(0.2, 0.1, 4.0), Vec3::NEG_Z);
+        let found = setup(&unlimited(integrator), &text, true).measure(ray, 6000);
+        assert_close(integrator, &found, [1.0; 3]);
     }
 }
 

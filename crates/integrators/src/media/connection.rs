@@ -140,3 +140,75 @@ impl Way<'_> {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use etendue_document::{Diagnostics, MemoryResources};
+    use etendue_mitsuba::{LoadOptions, load_str};
+    use etendue_render::emitter::Target;
+    use etendue_render::{BuildOptions, build_scene};
+    use etendue_sampling::{SamplerKind, SamplerSpec};
+    use etendue_testkit::Accumulator;
+    use glam::UVec2;
+
+    /// A cube of matter whose extinction differs from cell to cell and from colour to colour.
+    fn cube() -> Scene {
+        let header = [1, 3, 2, 2, 3].map(i32::to_le_bytes).concat();
+        let bounds = [0.0_f32; 6].map(f32::to_le_bytes).concat();
+        let values: Vec<u8> =
+            (0..36_u8).flat_map(|i| (f32::from(i * 7 % 11) * 0.3).to_le_bytes()).collect();
+        let grid = [b"VOL\x03".to_vec(), header, bounds, values].concat();
+        let text = r#"<scene version="3.0.0"><shape type="cube"><bsdf type="null"/>
+            <medium name="interior" type="heterogeneous"><volume name="sigma_t" type="gridvolume">
+            <string name="filename" value="grid.vol"/><transform name="to_world"><translate value="-0.5"/>
+            <scale value="2"/></transform></volume></medium></shape><sensor type="perspective"/></scene>"#;
+        let diagnostics = Diagnostics::new();
+        let resources = MemoryResources::default().with("grid.vol", grid);
+        load_str(text, &resources, &LoadOptions::default(), &diagnostics)
+            .and_then(|document| {
+                build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
+            })
+            .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
+    }
+
+    /// The mean of ratio tracking is exp(−∫ σt).
+    #[test]
+    fn ratio_tracking_is_the_exponential_in_the_mean() {
+        let scene = cube();
+        let (start, direction) = (Vec3::new(-0.9, -0.7, -0.8), Vec3::new(0.6, 0.5, 0.7));
+        let direction = direction.normalize();
+        let ray = Ray::new(start, direction);
+        let exit = scene.intersect(&ray).expect("the cube's face");
+        let medium = scene.boundary(&exit).and_then(|boundary| boundary.interior);
+        let steps = 20_000;
+        let length = f64::from(exit.t) / f64::from(steps);
+        let mut depth = [0.0_f64; 3];
+        for step in 0..steps {
+            let point = ray.at(((f64::from(step) + 0.5) * length) as f32);
+            let site = Site { point, wi: -direction };
+            let found = scene.medium(medium.expect("a medium")).coefficients(&site);
+            let rgb = found.extinction.rgb();
+            depth.iter_mut().zip(rgb).for_each(|(sum, sigma)| *sum += f64::from(sigma) * length);
+        }
+        let radiance = Spectrum::ONE;
+        let light =
+            DirectionSample { direction, radiance, pdf: 1.0, delta: true, target: Target::Afar };
+        let count = 100_000;
+        let spec = SamplerSpec::new(SamplerKind::Independent, count, 5);
+        let mut found = [(); 3].map(|()| Accumulator::default());
+        for index in 0..count {
+            let stream = spec.start(UVec2::ZERO, index);
+            let mut traveller = Traveller::new(ray, medium, &stream);
+            let passed = Connection::new(&scene, Vertex::Inside(start), &light, &mut traveller)
+                .map_or(Spectrum::ZERO, |connection| connection.transmittance);
+            found.iter_mut().zip(passed.rgb()).for_each(|(sum, value)| sum.add(value.into()));
+        }
+        for (found, depth) in found.iter().zip(depth) {
+            let (mean, expected) = (found.mean(), (-depth).exp());
+            assert!(depth > 0.5 && found.standard_error() < 0.02 * expected, "{depth}");
+            let distance = (mean - expected).abs();
+            assert!(distance < 5.0 * found.standard_error(), "{mean} instead of {expected}");
+        }
+    }
+}
