@@ -97,8 +97,13 @@ pub struct SceneStatistics {
     pub mesh_bytes: usize,
     /// Bytes held by the trees over them.
     pub tree_bytes: usize,
-    /// Bytes held by textures.
+    /// Bytes held by textures, but for the volumes that they show.
     pub texture_bytes: usize,
+    /// Participating media.
+    pub media: usize,
+    /// Bytes held by the grids of media, phase functions and textures, each grid once, and by the
+    /// bounds of media.
+    pub volume_bytes: usize,
 }
 
 /// A light chosen for next-event estimation.
@@ -391,6 +396,8 @@ impl Scene {
             tree_bytes: self.bvh.memory_bytes()
                 + self.groups.iter().map(|group| group.bvh.memory_bytes()).sum::<usize>(),
             texture_bytes: self.textures.iter().map(Texture::memory_bytes).sum(),
+            media: self.media.len(),
+            volume_bytes: self.volume_bytes(),
             ..SceneStatistics::default()
         };
         for shape in &self.shapes {
@@ -413,6 +420,16 @@ impl Scene {
             *statistics.emitters.entry(emitter.kind()).or_default() += 1;
         }
         statistics
+    }
+
+    fn volume_bytes(&self) -> usize {
+        let mut grids = Vec::new();
+        self.media.iter().for_each(|medium| medium.collect_grids(&mut grids));
+        self.textures.iter().for_each(|texture| texture.collect_grids(&mut grids));
+        grids.sort_by_key(|grid| Arc::as_ptr(grid));
+        grids.dedup_by_key(|grid| Arc::as_ptr(grid));
+        let bounds: usize = self.media.iter().map(Medium::memory_bytes).sum();
+        bounds + grids.iter().map(|grid| grid.memory_bytes()).sum::<usize>()
     }
 
     /// The nearest hit with one of the analytic shapes.

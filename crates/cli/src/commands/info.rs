@@ -53,16 +53,18 @@ fn as_text(loaded: &Loaded, content: &Content) -> String {
         ("instances", grouped(statistics.instances)),
         ("materials", grouped(statistics.materials)),
         ("textures", grouped(statistics.textures)),
+        ("media", grouped(statistics.media)),
         ("emitters", if emitters.is_empty() { "none".into() } else { emitters.join(", ") }),
         ("bounds", format!("{} to {}", point(bounds.min), point(bounds.max))),
         ("sensors", sensors(content).join("; ")),
         (
             "memory",
             format!(
-                "{} meshes, {} trees, {} textures",
+                "{} meshes, {} trees, {} textures, {} volumes",
                 bytes(statistics.mesh_bytes),
                 bytes(statistics.tree_bytes),
-                bytes(statistics.texture_bytes)
+                bytes(statistics.texture_bytes),
+                bytes(statistics.volume_bytes)
             ),
         ),
         (
@@ -110,6 +112,7 @@ fn as_json(loaded: &Loaded, content: &Content) -> Value {
         "instances": statistics.instances,
         "materials": statistics.materials,
         "textures": statistics.textures,
+        "media": statistics.media,
         "emitters": statistics.emitters,
         "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
         "sensors": content.scene.sensors().iter().map(sensor).collect::<Vec<_>>(),
@@ -117,6 +120,7 @@ fn as_json(loaded: &Loaded, content: &Content) -> Value {
             "meshes": statistics.mesh_bytes,
             "trees": statistics.tree_bytes,
             "textures": statistics.texture_bytes,
+            "volumes": statistics.volume_bytes,
         },
         "seconds": {
             "document": loaded.times.document.as_secs_f64(),

@@ -82,6 +82,16 @@ fn info_speaks_json() {
     workplace.fail(&["info", &test_file("broken/empty.xml")]);
 }
 
+/// The grid's 40 × 64 × 40 values and the bounds of its 10 × 16 × 10 blocks.
+#[test]
+fn info_counts_media_and_the_bytes_of_their_volumes() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/smoke/scene.xml");
+    let outcome = Workplace::new().succeed(&["info", scene, "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(info["media"], 1);
+    assert_eq!(info["memory_bytes"]["volumes"], 4 * (40 * 64 * 40 + 10 * 16 * 10));
+}
+
 #[test]
 fn a_reader_that_goes_away_is_no_trouble() {
     let workplace = Workplace::new();

@@ -90,7 +90,11 @@ impl Heterogeneous {
         self.majorants.track(ray)
     }
 
-    pub(super) fn memory_bytes(&self) -> usize {
-        self.extinction.memory_bytes() + self.albedo.memory_bytes() + self.majorants.memory_bytes()
+    pub(super) fn volumes(&self) -> [&Volume; 2] {
+        [&self.extinction, &self.albedo]
+    }
+
+    pub(super) fn bounds_bytes(&self) -> usize {
+        self.majorants.memory_bytes()
     }
 }

@@ -63,7 +63,7 @@ impl Homogeneous {
         self.albedo.eval(point).min(Spectrum::ONE)
     }
 
-    pub(super) fn memory_bytes(&self) -> usize {
-        self.albedo.memory_bytes()
+    pub(super) fn volumes(&self) -> [&Volume; 1] {
+        [&self.albedo]
     }
 }

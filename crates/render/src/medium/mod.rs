@@ -20,9 +20,11 @@ use crate::ids::MediumId;
 use crate::manual::{ParameterManual, parameter};
 use crate::phase::{PhaseFunction, Site};
 use crate::volume::Volume;
+use crate::volume::gridvolume::GridVolume;
 use etendue_document::{Class, Fault, Parameters};
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// A medium of the scene.
 #[derive(Clone, Debug)]
@@ -105,13 +107,27 @@ impl Medium {
         Coefficients { extinction, scattering: extinction * albedo }
     }
 
-    /// Bytes of memory that the medium's volumes take.
+    /// Bytes of memory held beside the medium itself, but for its grids, which others may hold as
+    /// well.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         match &self.density {
-            Density::Homogeneous(medium) => medium.memory_bytes(),
-            Density::Heterogeneous(medium) => medium.memory_bytes(),
+            Density::Homogeneous(_) => 0,
+            Density::Heterogeneous(medium) => medium.bounds_bytes(),
         }
+    }
+
+    /// Adds the grids that the medium is made of.
+    pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
+        match &self.density {
+            Density::Homogeneous(medium) => {
+                grids.extend(medium.volumes().into_iter().filter_map(Volume::grid));
+            }
+            Density::Heterogeneous(medium) => {
+                grids.extend(medium.volumes().into_iter().filter_map(Volume::grid));
+            }
+        }
+        self.phase.collect_grids(grids);
     }
 }
 

@@ -64,7 +64,6 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
 impl Blend {
     #[inline]
     fn shares(&self, site: &Site) -> [f32; 2] {
-        // A limit that also turns a value that is no number into one.
         let second = self.weight.eval_scalar(site.point);
         // A weight that is not a number counts as none.
         let second = if second > 0.0 { second.min(1.0) } else { 0.0 };
@@ -98,8 +97,16 @@ impl Blend {
     }
 
     pub(super) fn has_uniform_area(&self) -> bool {
-        let plain = |phase: &PhaseFunction| !matches!(phase, PhaseFunction::Sggx(_));
+        let has_one_weight = self.weight.as_constant().is_some();
         self.parts.iter().all(PhaseFunction::is_uniform)
-            && (self.weight.as_constant().is_some() || self.parts.iter().all(plain))
+            && (has_one_weight || self.parts.iter().all(PhaseFunction::shows_one_area))
+    }
+
+    pub(super) fn parts(&self) -> &[PhaseFunction; 2] {
+        &self.parts
+    }
+
+    pub(super) fn weight(&self) -> &Volume {
+        &self.weight
     }
 }

@@ -16,9 +16,11 @@ pub mod tabphase;
 #[cfg(test)]
 mod tests;
 
+use crate::volume::gridvolume::GridVolume;
 use etendue_math::Frame;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 /// A phase function of the scene.
 #[derive(Clone, Debug)]
@@ -103,6 +105,27 @@ impl PhaseFunction {
             Self::Sggx(phase) => phase.greatest_area(),
             Self::Blend(phase) => phase.greatest_area(),
             _ => 1.0,
+        }
+    }
+
+    /// Whether the projected area is one everywhere: there are no microflakes.
+    fn shows_one_area(&self) -> bool {
+        match self {
+            Self::Sggx(_) => false,
+            Self::Blend(phase) => phase.parts().iter().all(Self::shows_one_area),
+            _ => true,
+        }
+    }
+
+    /// Adds the grids that the phase function reads.
+    pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
+        match self {
+            Self::Sggx(phase) => grids.extend(phase.grid()),
+            Self::Blend(phase) => {
+                grids.extend(phase.weight().grid());
+                phase.parts().iter().for_each(|part| part.collect_grids(grids));
+            }
+            _ => {}
         }
     }
 

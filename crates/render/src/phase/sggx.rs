@@ -140,7 +140,14 @@ impl Sggx {
     }
 
     pub(super) fn is_uniform(&self) -> bool {
-        matches!(self.matrices, Matrices::Uniform(_))
+        self.grid().is_none()
+    }
+
+    pub(super) fn grid(&self) -> Option<&Arc<GridVolume>> {
+        match &self.matrices {
+            Matrices::Uniform(_) => None,
+            Matrices::Grid(grid) => Some(grid),
+        }
     }
 
     /// The density of `wo`: D(h) / 4 σ(wi), equation 14.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::builder::{Assets, BuildOptions, Builder};
+use crate::volume::grid_file::tests::file;
 use etendue_document::{Class, Diagnostics, MemoryResources};
 use etendue_mitsuba::{LoadOptions, load_str};
 use etendue_testkit::ChiSquare;
@@ -9,7 +10,12 @@ use etendue_testkit::quadrature::integrate_sphere;
 
 /// The phase function of a text, and what was found wrong with it.
 fn read(text: &str) -> (Option<PhaseFunction>, Vec<etendue_document::Diagnostic>) {
-    let (diagnostics, resources) = (Diagnostics::new(), MemoryResources::default());
+    let diagnostics = Diagnostics::new();
+    let resources = MemoryResources::default()
+        .with("even.vol", file([2, 1, 1], 6, &[FLAKES, FLAKES].concat()))
+        .with("flakes.vol", file([2, 1, 1], 6, &[FLAKES, [0.4, 0.3, 0.9, 0.0, 0.2, -0.1]].concat()))
+        .with("bad.vol", file([2, 1, 1], 6, &[FLAKES, [1.0, 1.0, 1.0, 2.0, 0.0, 0.0]].concat()))
+        .with("grey.vol", file([1, 1, 1], 1, &[0.5]));
     let text = format!("<scene><medium type=\"homogeneous\">{text}</medium></scene>");
     let options = LoadOptions::default();
     let document = load_str(&text, &resources, &options, &diagnostics).expect("a document");
@@ -28,7 +34,10 @@ fn phase(text: &str) -> PhaseFunction {
     phase.unwrap_or_else(|| panic!("{text}: {findings:?}"))
 }
 
-const ALL: [&str; 12] = [
+/// The matrix of [`ALL`]'s second `sggx`.
+const FLAKES: [f32; 6] = [0.1, 0.8, 0.3, 0.05, -0.1, 0.2];
+
+const ALL: [&str; 13] = [
     r#"<phase type="isotropic"/>"#,
     r#"<phase type="hg"><float name="g" value="0"/></phase>"#,
     r#"<phase type="hg"><float name="g" value="0.0009"/></phase>"#,
@@ -41,6 +50,7 @@ const ALL: [&str; 12] = [
     r#"<phase type="sggx"><string name="S" value="0.1 0.8 0.3 0.05 -0.1 0.2"/></phase>"#,
     r#"<phase type="blendphase"><float name="weight" value="0.3"/><phase type="rayleigh"/><phase type="hg"/></phase>"#,
     r#"<phase type="blendphase"><phase name="b" type="hg"/><phase name="a" type="blendphase"><phase type="isotropic"/><phase type="rayleigh"/></phase></phase>"#,
+    r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="flakes.vol"/></volume></phase>"#,
 ];
 
 fn sites() -> [Site; 2] {
@@ -119,6 +129,34 @@ fn sggx_is_symmetric_but_for_the_area() {
     }
 }
 
+/// Where all cells of a grid hold one matrix, it is that matrix.
+#[test]
+fn sggx_reads_its_matrix_from_a_grid() {
+    let grid = r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="even.vol"/></volume></phase>"#;
+    let (one, other) = (phase(ALL[9]), phase(grid));
+    let [from, to] = sites();
+    for (site, wo) in [(from, to.wi), (to, from.wi), (from, Vec3::X)] {
+        let values = [one.eval(&site, wo), other.eval(&site, wo)];
+        assert!((values[1] / values[0] - 1.0).abs() < 1e-5, "{values:?}");
+        let areas = [one.projected_area(&site), other.projected_area(&site)];
+        assert!((areas[1] / areas[0] - 1.0).abs() < 1e-6, "{areas:?}");
+    }
+    assert!(one.is_uniform() && !other.is_uniform());
+}
+
+/// Flakes within the parts of a mixture make its area vary as its weight does.
+#[test]
+fn a_mixture_is_uniform_where_its_weight_or_the_area_is() {
+    let blend = |part: &str| {
+        let weight = r#"<volume name="weight" type="gridvolume"><string name="filename" value="grey.vol"/></volume>"#;
+        let parts = format!(r#"{part}<phase type="hg"/>"#);
+        phase(&format!(r#"<phase type="blendphase">{weight}{parts}</phase>"#))
+    };
+    let flakes = format!(r#"<phase type="blendphase">{}<phase type="hg"/></phase>"#, ALL[9]);
+    assert!(blend(ALL[5]).is_uniform() && phase(&flakes).is_uniform());
+    assert!(!blend(ALL[9]).is_uniform() && !blend(&flakes).is_uniform());
+}
+
 #[test]
 fn nonsense_is_refused_with_its_place() {
     let cases = [
@@ -132,6 +170,14 @@ fn nonsense_is_refused_with_its_place() {
         (r#"<phase type="sggx"/>"#, "`S`"),
         (r#"<phase type="sggx"><string name="S" value="1 2"/></phase>"#, "six numbers"),
         (r#"<phase type="sggx"><string name="S" value="1 1 1 2 0 0"/></phase>"#, "definite"),
+        (
+            r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="bad.vol"/></volume></phase>"#,
+            "cell 1, 0, 0",
+        ),
+        (
+            r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="grey.vol"/></volume></phase>"#,
+            "six values",
+        ),
         (r#"<phase type="blendphase"><phase type="hg"/></phase>"#, "two phase functions"),
         (r#"<phase type="mie"/>"#, "unknown phase"),
     ];

@@ -18,8 +18,10 @@ pub mod volume;
 
 use crate::ids::TextureId;
 use crate::interaction::SurfaceInteraction;
+use crate::volume::gridvolume::GridVolume;
 use etendue_spectrum::Spectrum;
 use glam::Vec2;
+use std::sync::Arc;
 
 /// A texture of the scene.
 #[derive(Clone, Debug)]
@@ -41,14 +43,25 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Bytes of memory held beside the texture itself.
+    /// Bytes of memory held beside the texture itself, but for a volume's grid, which others may hold
+    /// as well.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         match self {
-            Self::Constant(_) | Self::Checkerboard(_) | Self::Grid(_) | Self::Scale(_) => 0,
+            Self::Constant(_)
+            | Self::Checkerboard(_)
+            | Self::Grid(_)
+            | Self::Scale(_)
+            | Self::Volume(_) => 0,
             Self::Bitmap(texture) => texture.memory_bytes(),
             Self::MeshAttribute(texture) => texture.memory_bytes(),
-            Self::Volume(texture) => texture.memory_bytes(),
+        }
+    }
+
+    /// Adds the grid that the texture shows, if it shows one.
+    pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
+        if let Self::Volume(texture) = self {
+            grids.extend(texture.volume().grid());
         }
     }
 }

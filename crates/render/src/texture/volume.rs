@@ -57,9 +57,9 @@ impl VolumeTexture {
         self.mean
     }
 
-    /// Bytes of memory that the volume takes.
+    /// The volume.
     #[must_use]
-    pub fn memory_bytes(&self) -> usize {
-        self.volume.memory_bytes()
+    pub fn volume(&self) -> &Volume {
+        &self.volume
     }
 }

@@ -184,11 +184,11 @@ impl GridFile {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A file of 32-bit floats in the unit cube.
-    pub(in super::super) fn file(size: [i32; 3], channels: i32, values: &[f32]) -> Vec<u8> {
+    pub(crate) fn file(size: [i32; 3], channels: i32, values: &[f32]) -> Vec<u8> {
         let mut bytes = b"VOL\x03".to_vec();
         for number in [1, size[0], size[1], size[2], channels] {
             bytes.extend(number.to_le_bytes());

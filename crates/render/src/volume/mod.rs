@@ -101,12 +101,12 @@ impl Volume {
         }
     }
 
-    /// Bytes of memory held beside the volume itself.
+    /// The grid, if it is one.
     #[must_use]
-    pub fn memory_bytes(&self) -> usize {
+    pub fn grid(&self) -> Option<&Arc<gridvolume::GridVolume>> {
         match self {
-            Self::Constant(_) => 0,
-            Self::Grid(volume) => volume.memory_bytes(),
+            Self::Constant(_) => None,
+            Self::Grid(grid) => Some(grid),
         }
     }
 }
