@@ -17,6 +17,7 @@
 
 use crate::node::{Lanes, TriangleBlock, WIDTH};
 use crate::simd::Simd;
+use crate::simd::portable::Portable;
 use crate::traverse::ray::RayConstants;
 
 /// What single precision leaves open of some lanes, decided in double precision.
@@ -49,7 +50,6 @@ pub(crate) struct Candidates<S: Simd> {
     pub(crate) w: S::Vector,
     /// The sum of the three edge functions.
     pub(crate) determinant: S::Vector,
-    vertices: [Sheared<S>; 3],
 }
 
 /// Below this determinant the edge functions lose digits, or all, to underflow.
@@ -90,7 +90,6 @@ pub(crate) fn intersect_block<S: Simd>(
     Some(Candidates {
         mask: inside & sound & within,
         doubtful: inside & !sound,
-        vertices: [a, b, c],
         t,
         v,
         w,
@@ -101,16 +100,20 @@ pub(crate) fn intersect_block<S: Simd>(
 impl<S: Simd> Candidates<S> {
     /// Whether any lane is hit.
     #[inline(always)]
-    pub(crate) fn any(&self, t_max: f32) -> bool {
-        self.mask != 0 || (self.doubtful != 0 && self.resolve(t_max).mask != 0)
+    pub(crate) fn any(&self, block: &TriangleBlock, ray: &RayConstants, t_max: f32) -> bool {
+        self.mask != 0
+            || (self.doubtful != 0 && resolve(self.doubtful, block, ray, t_max).mask != 0)
     }
 
-    /// Decides the doubtful lanes.
+    /// Decides the doubtful lanes of the block that they were found in.
     #[inline(always)]
-    pub(crate) fn resolve(&self, t_max: f32) -> Resolved {
-        let store = |v: &Sheared<S>| [S::store(v[0]), S::store(v[1]), S::store(v[2])];
-        let [a, b, c] = &self.vertices;
-        resolve(self.doubtful, &[store(a), store(b), store(c)], t_max)
+    pub(crate) fn resolve(
+        &self,
+        block: &TriangleBlock,
+        ray: &RayConstants,
+        t_max: f32,
+    ) -> Resolved {
+        resolve(self.doubtful, block, ray, t_max)
     }
 }
 
@@ -133,9 +136,13 @@ fn edge_function<S: Simd>(p: &Sheared<S>, q: &Sheared<S>) -> S::Vector {
 
 /// Decides the lanes of `doubtful` in `f64`. Rare: the ray meets a triangle edge-on, or the
 /// coordinates are so large or small that products leave the range of `f32`.
+///
+/// The sheared positions are computed anew, as kept ones took registers from the lanes that are not
+/// doubtful; they are the same in every tier.
 #[cold]
 #[inline(never)]
-fn resolve(doubtful: u32, vertices: &[[Lanes; 3]; 3], t_max: f32) -> Resolved {
+fn resolve(doubtful: u32, block: &TriangleBlock, ray: &RayConstants, t_max: f32) -> Resolved {
+    let vertices = [0, 1, 2].map(|vertex| shear::<Portable>(block, vertex, ray).map(Lanes));
     let none = Lanes([0.0; WIDTH]);
     let mut hits = Resolved { mask: 0, t: none, v: none, w: none };
     for lane in (0..WIDTH).filter(|lane| doubtful >> lane & 1 != 0) {

@@ -21,7 +21,7 @@ mod triangles;
 mod workload;
 
 use clock::{thread_seconds, timed};
-use etendue_bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, TriangleMeshView};
+use etendue_bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, Tier, TriangleMeshView};
 use etendue_math::Ray;
 use options::Options;
 use report::{Measured, Trace};
@@ -41,7 +41,7 @@ struct Ours(Bvh);
 
 impl Tracer for Ours {
     fn name(&self) -> String {
-        format!("etendue {:?}", self.0.tier()).to_lowercase()
+        tier_name(self.0.tier())
     }
 
     fn bytes(&self) -> usize {
@@ -57,6 +57,10 @@ impl Tracer for Ours {
     }
 }
 
+fn tier_name(tier: Tier) -> String {
+    format!("etendue {tier:?}").to_lowercase()
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse(std::env::args().skip(1))?;
     let (camera, meshes) = triangles::read(&options.triangles)?;
@@ -65,6 +69,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let workload = Workload::new(&camera, &meshes, &ours.0);
     let mut all: Vec<Box<dyn Tracer>> = vec![Box::new(ours)];
     all.extend(tracers);
+    // Last, for comparison, the tier that more machines have.
+    if all[0].name() != tier_name(Tier::Avx2) && Tier::Avx2.is_available() {
+        all.push(Box::new(Ours(build(&meshes, &options.preset).with_tier(Tier::Avx2))));
+        measured.push(Measured::default());
+    }
     trace_all(&options, &workload, &all, &mut measured);
     let triangle_count = meshes.iter().map(|mesh| mesh.indices.len()).sum();
     if options.json {

@@ -207,8 +207,9 @@ impl Builder {
         depth: usize,
     ) -> (usize, [Extent; 2]) {
         #[cfg(target_arch = "x86_64")]
-        if self.tier == Tier::Avx2 {
-            // SAFETY: `Tier::detect` has found that the machine has these instructions.
+        if self.tier != Tier::Portable {
+            // SAFETY: `Tier::detect` has found that the machine has these instructions, which all
+            // tiers but the portable one include.
             return unsafe { self.split_avx2(references, extent, depth) };
         }
         self.split_by::<Portable>(references, extent, depth)
@@ -362,7 +363,7 @@ impl Bins {
             bounds.grow(of_bin);
             total += self.counts[axis][bin];
             if total > 0 {
-                right_costs[bin] = bounds.half_area() * total as f32;
+                right_costs[bin] = bounds.half_area() * weight(total);
             }
         }
         let mut best = (0, f32::INFINITY);
@@ -372,7 +373,7 @@ impl Bins {
             bounds.grow(of_bin);
             total += self.counts[axis][plane - 1];
             if total > 0 {
-                let cost = bounds.half_area() * total as f32 + right_cost;
+                let cost = bounds.half_area() * weight(total) + right_cost;
                 if cost < best.1 {
                     best = (plane, cost);
                 }
@@ -380,6 +381,19 @@ impl Bins {
         }
         best
     }
+}
+
+/// What a number of references weighs in the cost of a split: three parts what whole blocks would
+/// take them, and one part their number.
+///
+/// By their number alone, blocks were filled less (5.9 of 8 in a room of a million triangles), the
+/// build took a fifteenth longer, and the tree a sixth more memory. By blocks alone, nothing speaks
+/// for the better of two splits into as many blocks, and shadow rays were a tenth slower. A constant
+/// beside the number makes rays slower, too.
+#[inline(always)]
+fn weight(references: u32) -> f32 {
+    const BLOCK: u32 = WIDTH as u32;
+    (references.next_multiple_of(BLOCK) * 3 + references) as f32
 }
 
 /// Moves the references left of the split to the front.

@@ -8,8 +8,7 @@ use crate::node::{Lanes, WIDTH};
 
 /// Which instructions the traversal uses. The hits do not depend on it.
 ///
-/// AVX-512 has no tier: with nodes of eight children it gave nothing for single rays. Arm is served
-/// by the portable tier.
+/// Arm is served by the portable tier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Tier {
@@ -17,13 +16,17 @@ pub enum Tier {
     Portable,
     /// x86-64 with AVX2, FMA, BMI1 and BMI2.
     Avx2,
+    /// What `Avx2` says, and AVX-512 with F, VL, DQ and BW: the same eight lanes, with twice the
+    /// registers. Any hit is found a twentieth faster, the nearest no faster.
+    Avx512,
 }
 
 impl Tier {
     /// The fastest tier of this machine.
     #[must_use]
     pub fn detect() -> Self {
-        if Self::Avx2.is_available() { Self::Avx2 } else { Self::Portable }
+        let tiers = [Self::Avx512, Self::Avx2];
+        tiers.into_iter().find(|tier| tier.is_available()).unwrap_or(Self::Portable)
     }
 
     /// Whether this machine has the instructions.
@@ -40,8 +43,16 @@ impl Tier {
                     && is_x86_feature_detected!("lzcnt")
                     && is_x86_feature_detected!("popcnt")
             }
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                Self::Avx2.is_available()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512vl")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512bw")
+            }
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 => false,
+            Self::Avx2 | Self::Avx512 => false,
         }
     }
 }

@@ -56,7 +56,7 @@ pub(super) fn any<S: Simd, P: Primitives>(
                 // SAFETY: the builder made as many blocks as it numbered.
                 let block = unsafe { current.block_of(&bvh.blocks) };
                 intersect_block::<S>(block, &constants, t_max)
-                    .is_some_and(|candidates| candidates.any(t_max))
+                    .is_some_and(|candidates| candidates.any(block, &constants, t_max))
             } else if current == Child::END {
                 return false;
             } else {

@@ -10,6 +10,7 @@ use crate::simd::Simd;
 use crate::triangle::{Candidates, Resolved, intersect_block};
 use etendue_math::Ray;
 use std::mem::MaybeUninit;
+use std::ops::Range;
 
 /// A child that waits: the distance where the ray enters its box, and the child. The bits of
 /// numbers that are not negative are ordered as the numbers, so entries compare as integers.
@@ -20,141 +21,165 @@ fn entry(distance: f32, child: Child) -> Entry {
     u64::from(distance.to_bits()) << 32 | u64::from(child.0)
 }
 
+/// The greatest entry that a distance does not pass over.
 #[inline(always)]
-fn distance(entry: Entry) -> f32 {
-    f32::from_bits((entry >> 32) as u32)
+fn limit(distance: f32) -> Entry {
+    u64::from(distance.to_bits()) << 32 | u64::from(u32::MAX)
 }
 
-/// The nearest hit so far.
+/// The nearest hit so far, as far as the traversal needs it all the time. Everything that takes a
+/// reference to it is inlined, so that it stays in registers.
 struct Nearest<'a> {
     /// The distance; hits count up to it, inclusive.
     t_max: f32,
-    /// What is hit.
-    found: Found<'a>,
+    /// The greatest entry of the stack that counts.
+    limit: Entry,
+    /// The triangle that is hit, if any, by its block and lane.
+    block: Option<&'a TriangleBlock>,
+    lane: usize,
+}
+
+/// The rest of the nearest hit, in memory.
+struct Details<'a> {
     /// What triangles are hit with: the edge functions and their sum, of all lanes of the block,
     /// because storing registers is cheaper than picking from them. Only the last block's count.
     v: Lanes,
     w: Lanes,
     determinant: Lanes,
+    /// What a user primitive or an instance reported; counts where no block is hit.
+    custom: Option<Hit>,
     instance: u32,
     names: &'a Names,
 }
 
-/// What is hit.
-#[derive(Clone, Copy)]
-enum Found<'a> {
-    Nothing,
-    /// A triangle.
-    Lane(&'a TriangleBlock, usize),
-    /// What a user primitive or an instance reported, in `Nearest::custom`.
-    Custom(Hit),
+impl<'a> Details<'a> {
+    #[inline(always)]
+    fn new(instance: u32, names: &'a Names) -> Self {
+        let none = Lanes([0.0; WIDTH]);
+        Self { v: none, w: none, determinant: none, custom: None, instance, names }
+    }
+
+    /// Whether the triangle of this name counts, and not what was hit as far away before, in the
+    /// lane of a block or else a custom primitive.
+    #[cold]
+    #[inline(never)]
+    fn yields_to(&self, name: u32, block: Option<&TriangleBlock>, lane: usize) -> bool {
+        match (block, &self.custom) {
+            (Some(old), _) => name < old.names[lane],
+            (None, Some(hit)) => self.rank_of(name) < rank(hit),
+            (None, None) => true,
+        }
+    }
+
+    /// As `yields_to`, of a custom primitive.
+    #[cold]
+    #[inline(never)]
+    fn yields_to_custom(&self, hit: &Hit, block: Option<&TriangleBlock>, lane: usize) -> bool {
+        match (block, &self.custom) {
+            (Some(old), _) => rank(hit) < self.rank_of(old.names[lane]),
+            (None, Some(old)) => rank(hit) < rank(old),
+            (None, None) => true,
+        }
+    }
+
+    fn rank_of(&self, name: u32) -> (u32, u32, u32) {
+        let (geometry, primitive) = self.names.resolve(name);
+        (self.instance, geometry, primitive)
+    }
+}
+
+/// Of hits that are equally far that of the lowest rank counts.
+fn rank(hit: &Hit) -> (u32, u32, u32) {
+    (hit.instance, hit.geometry, hit.primitive)
 }
 
 impl<'a> Nearest<'a> {
     #[inline(always)]
-    fn new(t_max: f32, instance: u32, names: &'a Names) -> Self {
-        let none = Lanes([0.0; WIDTH]);
+    fn new(t_max: f32) -> Self {
         // Distances are below the ray's own end, and up to that of a hit.
         let t_max = f32::from_bits(t_max.to_bits() - 1);
-        Self { t_max, found: Found::Nothing, v: none, w: none, determinant: none, instance, names }
+        Self { t_max, limit: limit(t_max), block: None, lane: 0 }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, t: f32, block: Option<&'a TriangleBlock>, lane: usize) {
+        *self = Self { t_max: t, limit: limit(t), block, lane };
     }
 
     /// Takes the nearest of the lanes that were hit, all of them within `t_max`.
     #[inline(always)]
-    fn take<S: Simd>(&mut self, block: &'a TriangleBlock, candidates: &Candidates<S>) {
+    fn take<S: Simd>(
+        &mut self,
+        details: &mut Details<'a>,
+        block: &'a TriangleBlock,
+        candidates: &Candidates<S>,
+    ) {
         let mask = candidates.mask;
-        if mask != 0 {
-            let t = S::store(candidates.t);
-            let mut lane = mask.trailing_zeros() as usize & (WIDTH - 1);
-            let mut rest = mask & (mask - 1);
-            while rest != 0 {
-                let other = rest.trailing_zeros() as usize & (WIDTH - 1);
-                rest &= rest - 1;
-                if t.0[other] < t.0[lane]
-                    || (t.0[other] == t.0[lane] && block.names[other] < block.names[lane])
-                {
-                    lane = other;
-                }
-            }
-            if t.0[lane] < self.t_max || self.yields_to(block, lane) {
-                self.t_max = t.0[lane];
-                self.found = Found::Lane(block, lane);
-                self.v = S::store(candidates.v);
-                self.w = S::store(candidates.w);
-                self.determinant = S::store(candidates.determinant);
+        let t = S::store(candidates.t);
+        let mut lane = mask.trailing_zeros() as usize & (WIDTH - 1);
+        let mut rest = mask & (mask - 1);
+        while rest != 0 {
+            let other = rest.trailing_zeros() as usize & (WIDTH - 1);
+            rest &= rest - 1;
+            if t.0[other] < t.0[lane]
+                || (t.0[other] == t.0[lane] && block.names[other] < block.names[lane])
+            {
+                lane = other;
             }
         }
-        if candidates.doubtful != 0 {
-            self.take_resolved(block, &candidates.resolve(self.t_max));
+        if t.0[lane] < self.t_max || details.yields_to(block.names[lane], self.block, self.lane) {
+            self.set(t.0[lane], Some(block), lane);
+            details.v = S::store(candidates.v);
+            details.w = S::store(candidates.w);
+            details.determinant = S::store(candidates.determinant);
         }
     }
 
     /// As [`Nearest::take`], for lanes that needed double precision.
-    #[cold]
-    #[inline(never)]
-    fn take_resolved(&mut self, block: &'a TriangleBlock, resolved: &Resolved) {
+    #[inline(always)]
+    fn take_resolved(
+        &mut self,
+        details: &mut Details<'a>,
+        block: &'a TriangleBlock,
+        resolved: &Resolved,
+    ) {
         for lane in (0..WIDTH).filter(|lane| resolved.mask >> lane & 1 != 0) {
             let t = resolved.t.0[lane];
-            if t < self.t_max || (t == self.t_max && self.yields_to(block, lane)) {
-                self.t_max = t;
-                self.found = Found::Lane(block, lane);
-                (self.v, self.w) = (resolved.v, resolved.w);
-                self.determinant = Lanes([1.0; WIDTH]);
-            }
-        }
-    }
-
-    /// Whether, of two hits that are equally far, that with this lane counts.
-    #[cold]
-    #[inline(never)]
-    fn yields_to(&self, block: &TriangleBlock, lane: usize) -> bool {
-        let name = block.names[lane];
-        let (geometry, primitive) = self.names.resolve(name);
-        match self.found {
-            Found::Nothing => true,
-            Found::Lane(block, lane) => name < block.names[lane],
-            Found::Custom(hit) => {
-                (self.instance, geometry, primitive) < (hit.instance, hit.geometry, hit.primitive)
+            if t < self.t_max
+                || (t == self.t_max && details.yields_to(block.names[lane], self.block, self.lane))
+            {
+                self.set(t, Some(block), lane);
+                (details.v, details.w) = (resolved.v, resolved.w);
+                details.determinant = Lanes([1.0; WIDTH]);
             }
         }
     }
 
     /// Takes what a user primitive or an instance reported, if it is nearer, or as near and of a
     /// lower number.
-    fn offer(&mut self, hit: Hit) {
-        let rank_of = |hit: &Hit| (hit.instance, hit.geometry, hit.primitive);
-        let is_first = || match self.found {
-            Found::Nothing => true,
-            Found::Lane(block, lane) => {
-                let (geometry, primitive) = self.names.resolve(block.names[lane]);
-                rank_of(&hit) < (self.instance, geometry, primitive)
-            }
-            Found::Custom(old) => rank_of(&hit) < rank_of(&old),
-        };
-        if hit.t < self.t_max || (hit.t == self.t_max && is_first()) {
-            self.t_max = hit.t;
-            self.found = Found::Custom(hit);
+    #[inline(always)]
+    fn offer(&mut self, details: &mut Details<'a>, hit: Hit) {
+        if hit.t < self.t_max
+            || (hit.t == self.t_max && details.yields_to_custom(&hit, self.block, self.lane))
+        {
+            self.set(hit.t, None, 0);
+            details.custom = Some(hit);
         }
     }
 
     #[inline(always)]
-    fn finish(&self) -> Option<Hit> {
-        match self.found {
-            Found::Nothing => None,
-            Found::Lane(block, lane) => {
-                let lane = lane & (WIDTH - 1);
-                let (geometry, primitive) = self.names.resolve(block.names[lane]);
-                Some(Hit {
-                    t: self.t_max,
-                    u: self.v.0[lane] / self.determinant.0[lane],
-                    v: self.w.0[lane] / self.determinant.0[lane],
-                    geometry,
-                    primitive,
-                    instance: self.instance,
-                })
-            }
-            Found::Custom(hit) => Some(hit),
-        }
+    fn finish(&self, details: &Details<'a>) -> Option<Hit> {
+        let Some(block) = self.block else { return details.custom };
+        let lane = self.lane & (WIDTH - 1);
+        let (geometry, primitive) = details.names.resolve(block.names[lane]);
+        Some(Hit {
+            t: self.t_max,
+            u: details.v.0[lane] / details.determinant.0[lane],
+            v: details.w.0[lane] / details.determinant.0[lane],
+            geometry,
+            primitive,
+            instance: details.instance,
+        })
     }
 }
 
@@ -166,6 +191,8 @@ impl<'a> Nearest<'a> {
 /// guesses cost), a fixed order of the children for each octant of directions, which needs no
 /// sorting (a tenth more nodes are visited), passing over four waiting entries at a time,
 /// prefetching what waits (no difference), other weights of nodes against blocks (no difference).
+/// What gained: nothing of [`Nearest`] in memory, waiting entries compared as integers, and no
+/// sheared vertices kept for the lanes that single precision leaves open.
 #[inline(always)]
 pub(super) fn closest<S: Simd, P: Primitives>(
     bvh: &Bvh,
@@ -175,10 +202,13 @@ pub(super) fn closest<S: Simd, P: Primitives>(
 ) -> Option<Hit> {
     let constants = RayConstants::new(ray)?;
     let boxes = BoxConstants::<S>::new(ray, &constants, &bvh.nodes);
-    let mut nearest = Nearest::new(ray.t_max, instance, &bvh.names);
+    let mut nearest = Nearest::new(ray.t_max);
+    let mut details = Details::new(instance, &bvh.names);
     let mut stack = [MaybeUninit::<Entry>::uninit(); STACK_SIZE];
+    // Nothing passes over the lowest entry, which ends the traversal.
+    stack[0].write(entry(0.0, Child::END));
     let nodes = bvh.nodes.as_ptr();
-    let mut waiting = 0;
+    let mut waiting = 1;
     let mut current = Child::node(0);
     loop {
         if current.is_node() {
@@ -244,19 +274,30 @@ pub(super) fn closest<S: Simd, P: Primitives>(
             // SAFETY: the builder made as many blocks as it numbered.
             let block = unsafe { current.block_of(&bvh.blocks) };
             if let Some(candidates) = intersect_block::<S>(block, &constants, nearest.t_max) {
-                nearest.take(block, &candidates);
+                if candidates.mask != 0 {
+                    nearest.take(&mut details, block, &candidates);
+                }
+                if candidates.doubtful != 0 {
+                    let resolved = candidates.resolve(block, &constants, nearest.t_max);
+                    nearest.take_resolved(&mut details, block, &resolved);
+                }
             }
+        } else if current == Child::END {
+            return nearest.finish(&details);
         } else {
-            intersect_custom((bvh, primitives), current, ray, instance, &mut nearest);
+            for index in custom_entries(current) {
+                let of = (bvh, primitives);
+                let hit = intersect_custom(of, index, ray, instance, nearest.t_max);
+                if let Some(hit) = hit {
+                    nearest.offer(&mut details, hit);
+                }
+            }
         }
         loop {
-            if waiting == 0 {
-                return nearest.finish();
-            }
             waiting -= 1;
-            // SAFETY: entries below `waiting` have been written.
+            // SAFETY: entries below `waiting` have been written, and the lowest is not passed over.
             let entry = unsafe { stack.get_unchecked(waiting).assume_init() };
-            if distance(entry) <= nearest.t_max {
+            if entry <= nearest.limit {
                 current = Child(entry as u32);
                 break;
             }
@@ -264,42 +305,43 @@ pub(super) fn closest<S: Simd, P: Primitives>(
     }
 }
 
-/// User primitives and instances, out of the way of the triangles.
+/// The custom entries of a leaf.
+#[inline(always)]
+fn custom_entries(child: Child) -> Range<usize> {
+    match child.kind() {
+        ChildKind::Custom { first, count } => first..first + count,
+        _ => 0..0,
+    }
+}
+
+/// A user primitive or an instance, out of the way of the triangles.
 #[inline(never)]
 fn intersect_custom<P: Primitives>(
     (bvh, primitives): (&Bvh, &P),
-    child: Child,
+    index: usize,
     ray: &Ray,
     instance: u32,
-    nearest: &mut Nearest<'_>,
-) {
-    let ChildKind::Custom { first, count } = child.kind() else { return };
-    for &entry in &bvh.custom[first..first + count] {
-        // One step beyond the nearest hit, for the hits that are as near.
-        let limited = Ray { t_max: nearest.t_max.next_up(), ..*ray };
-        let hit = match entry {
-            Custom::User { geometry, primitive } => {
-                let hit = if instance == u32::MAX {
-                    primitives.intersect(geometry, primitive, &limited)
-                } else {
-                    primitives.intersect_in(instance, geometry, primitive, &limited)
-                };
-                hit.map(|hit| {
-                    let (t, u, v) = (hit.t, hit.u, hit.v);
-                    Hit { t, u, v, geometry, primitive, instance }
-                })
-            }
-            Custom::Instance { index } => {
-                let placed = &bvh.instances[index as usize];
-                let local = placed.to_local(&limited);
-                super::intersect(&placed.group, &local, primitives, placed.geometry)
-            }
-        };
-        if let Some(hit) = hit
-            && hit.t > 0.0
-            && hit.t <= nearest.t_max
-        {
-            nearest.offer(hit);
+    t_max: f32,
+) -> Option<Hit> {
+    // One step beyond the nearest hit, for the hits that are as near.
+    let limited = Ray { t_max: t_max.next_up(), ..*ray };
+    let hit = match bvh.custom[index] {
+        Custom::User { geometry, primitive } => {
+            let hit = if instance == u32::MAX {
+                primitives.intersect(geometry, primitive, &limited)
+            } else {
+                primitives.intersect_in(instance, geometry, primitive, &limited)
+            };
+            hit.map(|hit| {
+                let (t, u, v) = (hit.t, hit.u, hit.v);
+                Hit { t, u, v, geometry, primitive, instance }
+            })
         }
-    }
+        Custom::Instance { index } => {
+            let placed = &bvh.instances[index as usize];
+            let local = placed.to_local(&limited);
+            super::intersect(&placed.group, &local, primitives, placed.geometry)
+        }
+    };
+    hit.filter(|hit| hit.t > 0.0 && hit.t <= t_max)
 }

@@ -26,6 +26,9 @@ pub(crate) fn intersect<P: Primitives>(
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
         Tier::Avx2 => unsafe { intersect_avx2(bvh, ray, primitives, instance) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        Tier::Avx512 => unsafe { intersect_avx512(bvh, ray, primitives, instance) },
         _ => intersect_portable(bvh, ray, primitives, instance),
     }
 }
@@ -37,6 +40,9 @@ pub(crate) fn occluded<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, inst
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
         Tier::Avx2 => unsafe { occluded_avx2(bvh, ray, primitives, instance) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        Tier::Avx512 => unsafe { occluded_avx512(bvh, ray, primitives, instance) },
         _ => occluded_portable(bvh, ray, primitives, instance),
     }
 }
@@ -71,5 +77,22 @@ fn intersect_avx2<P: Primitives>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn occluded_avx2<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
+    any::any::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn intersect_avx512<P: Primitives>(
+    bvh: &Bvh,
+    ray: &Ray,
+    primitives: &P,
+    instance: u32,
+) -> Option<Hit> {
+    closest::closest::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn occluded_avx512<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
     any::any::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
 }

@@ -10,7 +10,7 @@ pub(crate) const PRESETS: [BuildOptions; 3] =
     [BuildOptions::FAST, BuildOptions::BALANCED, BuildOptions::SPATIAL];
 
 /// Every tier; those that the machine lacks fall back to the one that it has.
-pub(crate) const TIERS: [Tier; 2] = [Tier::Portable, Tier::Avx2];
+pub(crate) const TIERS: [Tier; 3] = [Tier::Portable, Tier::Avx2, Tier::Avx512];
 
 /// A small generator (SplitMix64), so that the tests repeat.
 pub(crate) struct Random(u64);
