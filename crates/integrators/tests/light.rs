@@ -156,25 +156,6 @@ fn ways_of_finding_light_agree_in_the_mean() {
     }
 }
 
-/// A lamp without a material is black, as in Mitsuba; one with a material reflects as that does.
-#[test]
-fn lamps_without_a_material_reflect_nothing() {
-    let cases = [("", 2.0), (r#"<bsdf type="diffuse"/>"#, 2.5)];
-    for (bsdf, expected) in cases {
-        let lamp = r#"<emitter type="area"><rgb name="radiance" value="2"/></emitter>"#;
-        let body =
-            format!(r#"<shape type="sphere">{bsdf}{lamp}</shape><emitter type="constant"/>"#);
-        for integrator in ["path", "direct", "volpath"] {
-            let text = format!(r#"<integrator type="{integrator}"/>{body}"#);
-            let setup = setup(&text, &IntegratorOptions::default());
-            let found = setup.measure(Vec3::Z * 4.0, Vec3::NEG_Z, 4000);
-            let tolerance = 5.0 * found.standard_error() + 1e-5;
-            let mean = found.mean();
-            assert!((mean - expected).abs() < tolerance, "{integrator} {bsdf}: {mean}");
-        }
-    }
-}
-
 /// What `hide_emitters` hides, and that light is not hidden with it.
 #[test]
 fn hidden_emitters_are_passed_through_by_camera_rays_alone() {

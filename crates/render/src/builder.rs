@@ -9,7 +9,6 @@ mod shapes;
 pub use assets::Assets;
 
 use crate::bsdf::Material;
-use crate::bsdf::diffuse::Diffuse;
 use crate::emitter::{Emitter, read_sampling_weight};
 use crate::film::FilmSpec;
 use crate::ids::{MaterialId, MediumId, TextureId};
@@ -25,7 +24,6 @@ use crate::volume::Volume;
 use etendue_bvh::Tier;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
 use etendue_math::Transform;
-use etendue_spectrum::Spectrum;
 use std::collections::HashMap;
 
 /// What the user of the library decides about a scene, over what its file says.
@@ -106,8 +104,7 @@ pub struct Builder<'a> {
     media_built: HashMap<NodeId, Option<MediumId>>,
     phases_built: HashMap<NodeId, Option<PhaseFunction>>,
     volumes_built: HashMap<NodeId, Option<Volume>>,
-    grey: Option<MaterialId>,
-    black: Option<MaterialId>,
+    default_material: Option<MaterialId>,
     /// Whether any texture reads the attributes of meshes.
     has_attribute_textures: bool,
 }
@@ -129,8 +126,7 @@ impl<'a> Builder<'a> {
             media_built: HashMap::new(),
             phases_built: HashMap::new(),
             volumes_built: HashMap::new(),
-            grey: None,
-            black: None,
+            default_material: None,
             has_attribute_textures: assets
                 .document
                 .nodes
@@ -174,21 +170,13 @@ impl<'a> Builder<'a> {
     }
 
     /// What a shape without a material is made of: grey, diffuse.
-    fn grey_material(&mut self) -> MaterialId {
-        if let Some(id) = self.grey {
+    fn default_material(&mut self) -> MaterialId {
+        if let Some(id) = self.default_material {
             return id;
         }
-        let id = self.add_material(Material::Diffuse(Diffuse::uniform(Spectrum::splat(0.5))));
-        *self.grey.insert(id)
-    }
-
-    /// What a light without a material is made of: it reflects nothing.
-    fn black_material(&mut self) -> MaterialId {
-        if let Some(id) = self.black {
-            return id;
-        }
-        let id = self.add_material(Material::Diffuse(Diffuse::uniform(Spectrum::ZERO)));
-        *self.black.insert(id)
+        let id = self.add_material(Material::Diffuse(crate::bsdf::diffuse::Diffuse::default()));
+        self.default_material = Some(id);
+        id
     }
 
     /// The texture of a `texture` node; `None` after reporting why there is none.

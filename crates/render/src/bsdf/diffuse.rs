@@ -32,6 +32,12 @@ pub struct Diffuse {
     reflectance: ColorSource,
 }
 
+impl Default for Diffuse {
+    fn default() -> Self {
+        Self { reflectance: ColorSource::Constant(Spectrum::splat(0.5)) }
+    }
+}
+
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Diffuse> {
     // The second name is that of the coated materials; scenes use it here as well.
@@ -43,12 +49,6 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<D
 }
 
 impl Diffuse {
-    /// A surface of one colour.
-    #[must_use]
-    pub fn uniform(reflectance: Spectrum) -> Self {
-        Self { reflectance: ColorSource::Constant(reflectance) }
-    }
-
     /// Reads the textures at a hit.
     #[inline]
     #[must_use]

@@ -52,10 +52,6 @@ impl<'a> Builder<'a> {
             parts.emitters.push(emitter);
             EmitterId(parts.emitters.len() as u32 - 1)
         });
-        let material = material.unwrap_or_else(|| match emitter {
-            Some(_) => self.black_material(),
-            None => self.grey_material(),
-        });
         parts.boundaries.extend(self.boundary(&parameters).map(|boundary| (id, boundary)));
         for child in parameters.children_of(Class::Sensor) {
             parts.sensors.extend(self.sensor(child.node, Some(&geometry)));
@@ -64,13 +60,14 @@ impl<'a> Builder<'a> {
         parts.shapes.push(Shape { geometry, material, emitter });
     }
 
-    fn shape_material(&mut self, parameters: &Parameters<'_>) -> Option<MaterialId> {
+    fn shape_material(&mut self, parameters: &Parameters<'_>) -> MaterialId {
         let children = parameters.children_of(Class::Bsdf);
         if let [_, second, ..] = children.as_slice() {
             let message = "a shape has one material: this one is left out";
             self.assets.diagnostics.warning(Fault::BadValue, second.span, message);
         }
-        children.first().and_then(|child| self.material(child.node))
+        let first = children.first().and_then(|child| self.material(child.node));
+        first.unwrap_or_else(|| self.default_material())
     }
 
     fn shape_emitter(&mut self, parameters: &Parameters<'_>, shape: ShapeId) -> Option<Emitter> {
@@ -124,7 +121,7 @@ impl<'a> Builder<'a> {
             }
             first += shapes.len() as u32;
         }
-        let material = self.grey_material();
+        let material = self.default_material();
         for (group, to_world, span) in placed {
             let instance = Instance::new(group, &parts.groups[group.index()], to_world);
             let geometry = Geometry::Instance(instance);

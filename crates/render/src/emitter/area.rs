@@ -15,8 +15,7 @@ use glam::{Vec2, Vec3};
 /// The manual page.
 pub const MANUAL: Manual = Manual {
     summary: "Makes the shape that it is nested in a diffuse light: radiance leaves its front, the same \
-              in all directions. A picture on a mesh is sampled in proportion to its light. A shape \
-              that glows and has no `bsdf` reflects nothing.",
+              in all directions. A picture on a mesh is sampled in proportion to its light.",
     parameters: &[
         parameter(
             "radiance",
