@@ -30,12 +30,31 @@ pub(super) fn page() -> String {
         let _ = writeln!(text, "- **{}**: {}", class.name(), links.join(", "));
     }
     for class in classes(&pages) {
-        let _ = write!(text, "\n## {}\n", class.name());
+        let _ = write!(text, "\n## {}\n{}", class.name(), nested(class));
         for page in pages.iter().filter(|page| page.0 == class) {
             write_plugin(&mut text, page);
         }
     }
     text
+}
+
+/// What all plugins of a class may hold besides what their pages list.
+fn nested(class: Class) -> &'static str {
+    match class {
+        Class::Shape => {
+            "\nEvery shape but `shapegroup` and `instance` also takes, nested or as a `<ref>`:\n\n\
+             | name | kind | meaning |\n|---|---|---|\n\
+             | | bsdf | Its material; `diffuse` without one. |\n\
+             | | emitter | The light that it sends out, such as `area`. |\n\
+             | | sensor | A sensor on its surface, such as `irradiancemeter`. |\n\
+             | `interior` | medium | What it is filled with: the side that normals point away from. |\n\
+             | `exterior` | medium | What is around it. |\n"
+        }
+        Class::Sensor => {
+            "\nEvery sensor also takes the medium that it stands in, nested or as a `<ref>`.\n"
+        }
+        _ => "",
+    }
 }
 
 /// The classes that have plugins, each once, in the order of the registry.
