@@ -72,7 +72,7 @@ impl SampleSource for Camera<'_> {
     fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
         layers.fill(0.0);
         let (CameraRay { start, mut stream }, response) = self.start(id);
-        let radiance = self.integrator.sample_within(self.scene, &start, &mut stream, layers);
+        let radiance = self.integrator.sample(self.scene, &start, &mut stream, layers);
         response.to(&radiance)
     }
 

@@ -3,7 +3,6 @@
 use crate::nested::{Nested, Rows, sample_alone, write};
 use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters, list_names, near_names};
-use etendue_math::Ray;
 use etendue_render::bsdf::Bsdf;
 use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
 use etendue_sampling::SampleStream;
@@ -135,16 +134,6 @@ impl Integrator for Aov {
     }
 
     fn sample(
-        &self,
-        scene: &Scene,
-        ray: &Ray,
-        stream: &mut SampleStream,
-        layers: &mut [f32],
-    ) -> Radiance {
-        self.sample_within(scene, &Start { ray: *ray, medium: None }, stream, layers)
-    }
-
-    fn sample_within(
         &self,
         scene: &Scene,
         start: &Start,

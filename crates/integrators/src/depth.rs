@@ -1,7 +1,6 @@
 //! `depth`: the distance to what is seen.
 
-use crate::{Integrator, Radiance};
-use etendue_math::Ray;
+use crate::{Integrator, Radiance, Start};
 use etendue_render::{Manual, Scene};
 use etendue_sampling::SampleStream;
 use etendue_spectrum::Spectrum;
@@ -19,8 +18,14 @@ pub(crate) const MANUAL: Manual = Manual {
 pub struct Depth;
 
 impl Integrator for Depth {
-    fn sample(&self, scene: &Scene, ray: &Ray, _: &mut SampleStream, _: &mut [f32]) -> Radiance {
-        scene.intersect(ray).map_or(Radiance::NONE, |surface| Radiance {
+    fn sample(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        _: &mut SampleStream,
+        _: &mut [f32],
+    ) -> Radiance {
+        scene.intersect(&start.ray).map_or(Radiance::NONE, |surface| Radiance {
             color: Spectrum::splat(surface.t),
             alpha: 1.0,
         })

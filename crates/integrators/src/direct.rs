@@ -1,9 +1,9 @@
 //! `direct`: emitters, and light that is scattered once.
 
-use crate::light::{NextEvent, Origin, distant, emitted, first_hit};
-use crate::{Integrator, Radiance};
+use crate::light::{NextEvent, Origin, distant, emitted, first_sight};
+use crate::path::HIDE_EMITTERS;
+use crate::{Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters};
-use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, Lobe, Transport};
 use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
 use etendue_sampling::SampleStream;
@@ -31,12 +31,7 @@ pub(crate) const MANUAL: Manual = Manual {
             default: "1",
             meaning: "Material samples for each camera sample.",
         },
-        ParameterManual {
-            name: "hide_emitters",
-            kind: "boolean",
-            default: "false",
-            meaning: "The camera does not see emitters.",
-        },
+        HIDE_EMITTERS,
         ParameterManual {
             name: "strict_normals",
             kind: "boolean",
@@ -133,17 +128,16 @@ impl Integrator for Direct {
     fn sample(
         &self,
         scene: &Scene,
-        ray: &Ray,
+        start: &Start,
         stream: &mut SampleStream,
         _: &mut [f32],
     ) -> Radiance {
-        let seen = Origin { point: ray.origin, pdf: None };
-        let Some(surface) = first_hit(scene, ray, self.hide_emitters) else {
-            if self.hide_emitters || scene.environments().is_empty() {
-                return Radiance::NONE;
-            }
-            return Radiance { color: distant(scene, ray.direction, &seen), alpha: 1.0 };
+        let ray = &start.ray;
+        let surface = match first_sight(scene, ray, self.hide_emitters) {
+            Ok(surface) => surface,
+            Err(background) => return background,
         };
+        let seen = Origin { point: ray.origin, pdf: None };
         let bsdf = scene.prepare_bsdf(&surface);
         let color = emitted(scene, &surface, ray.direction, &seen)
             + self.by_emitters(scene, &surface, &bsdf, stream)

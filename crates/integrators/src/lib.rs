@@ -100,26 +100,15 @@ pub trait Integrator: Send + Sync {
         &[]
     }
 
-    /// What arrives along the unit direction of `ray`. `layers` has one place for each of
+    /// What arrives along the ray that starts at `start`. `layers` has one place for each of
     /// [`Self::layers`], all zero.
     fn sample(
-        &self,
-        scene: &Scene,
-        ray: &Ray,
-        stream: &mut SampleStream,
-        layers: &mut [f32],
-    ) -> Radiance;
-
-    /// The same from inside a medium, which most integrators do not ask for.
-    fn sample_within(
         &self,
         scene: &Scene,
         start: &Start,
         stream: &mut SampleStream,
         layers: &mut [f32],
-    ) -> Radiance {
-        self.sample(scene, &start.ray, stream, layers)
-    }
+    ) -> Radiance;
 
     /// As [`Self::sample`] for many rays, with the same results, which are appended to `radiance`.
     /// `layers` has the places of all rays, one after the other.
@@ -133,7 +122,7 @@ pub trait Integrator: Send + Sync {
         let layer_count = self.layers().len();
         radiance.extend(rays.iter_mut().enumerate().map(|(index, CameraRay { start, stream })| {
             let layers = &mut layers[index * layer_count..(index + 1) * layer_count];
-            self.sample_within(scene, start, stream, layers)
+            self.sample(scene, start, stream, layers)
         }));
     }
 

@@ -1,6 +1,7 @@
 //! What path and direct lighting share: next-event estimation, emission found by chance, and how
 //! the two are weighed against each other.
 
+use crate::Radiance;
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, Transport};
 use etendue_render::emitter::DirectionSample;
@@ -177,4 +178,21 @@ pub(crate) fn beyond_emitters(scene: &Scene, ray: &mut Ray, mut hit: Hit) -> Opt
         *ray = Ray { t_max: ray.t_max - surface.t, ..surface.spawn_ray(ray.direction) };
         hit = scene.closest_hit(ray)?;
     }
+}
+
+/// What a camera ray hits first, emitters left out if they are to be hidden, or else what it sees of
+/// the background.
+#[inline]
+pub(crate) fn first_sight(
+    scene: &Scene,
+    ray: &Ray,
+    hide_emitters: bool,
+) -> Result<SurfaceInteraction, Radiance> {
+    first_hit(scene, ray, hide_emitters).ok_or_else(|| {
+        if hide_emitters || scene.environments().is_empty() {
+            return Radiance::NONE;
+        }
+        let seen = Origin { point: ray.origin, pdf: None };
+        Radiance { color: distant(scene, ray.direction, &seen), alpha: 1.0 }
+    })
 }

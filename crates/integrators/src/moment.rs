@@ -2,7 +2,6 @@
 
 use crate::nested::{Nested, Rows, sample_alone};
 use crate::{CameraRay, Integrator, Radiance, Start};
-use etendue_math::Ray;
 use etendue_render::{Manual, Scene};
 use etendue_sampling::SampleStream;
 use etendue_spectrum::colour::rgb_to_xyz;
@@ -47,16 +46,6 @@ impl Integrator for Moment {
     }
 
     fn sample(
-        &self,
-        scene: &Scene,
-        ray: &Ray,
-        stream: &mut SampleStream,
-        layers: &mut [f32],
-    ) -> Radiance {
-        self.sample_within(scene, &Start { ray: *ray, medium: None }, stream, layers)
-    }
-
-    fn sample_within(
         &self,
         scene: &Scene,
         start: &Start,

@@ -1,8 +1,8 @@
 //! `ptracer`: particles from the lights, which leave their mark on the film.
 
-use crate::light::{Origin, distant, emitted, first_hit};
-use crate::path::depths;
-use crate::{Deposit, Integrator, Radiance, Screen};
+use crate::light::{Origin, emitted, first_hit, first_sight};
+use crate::path::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH, depths};
+use crate::{Deposit, Integrator, Radiance, Screen, Start};
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_render::bsdf::{Bsdf, Lobe, Transport};
@@ -20,24 +20,9 @@ pub(crate) const MANUAL: Manual = Manual {
               mirror. Emitters that are seen directly are left to camera rays. For every sample of a pixel \
               there is one particle. Sensors: `perspective`, `thinlens` and `orthographic`.",
     parameters: &[
-        ParameterManual {
-            name: "max_depth",
-            kind: "integer",
-            default: "-1",
-            meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit.",
-        },
-        ParameterManual {
-            name: "rr_depth",
-            kind: "integer",
-            default: "5",
-            meaning: "From this depth on, paths end by Russian roulette.",
-        },
-        ParameterManual {
-            name: "hide_emitters",
-            kind: "boolean",
-            default: "false",
-            meaning: "The camera does not see emitters.",
-        },
+        MAX_DEPTH,
+        RR_DEPTH,
+        HIDE_EMITTERS,
         ParameterManual {
             name: "samples_per_pass",
             kind: "integer",
@@ -181,18 +166,23 @@ fn shading_correction(
 
 impl Integrator for ParticleTracer {
     /// What the camera sees shine by itself.
-    fn sample(&self, scene: &Scene, ray: &Ray, _: &mut SampleStream, _: &mut [f32]) -> Radiance {
+    fn sample(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        _: &mut SampleStream,
+        _: &mut [f32],
+    ) -> Radiance {
+        let ray = &start.ray;
         let seen = Origin { point: ray.origin, pdf: None };
-        let is_seen = self.max_depth > 0;
-        let Some(surface) = first_hit(scene, ray, self.hide_emitters) else {
-            if self.hide_emitters || scene.environments().is_empty() {
-                return Radiance::NONE;
-            }
-            let color = distant(scene, ray.direction, &seen);
-            return Radiance { color: if is_seen { color } else { Spectrum::ZERO }, alpha: 1.0 };
-        };
-        let color = emitted(scene, &surface, ray.direction, &seen);
-        Radiance { color: if is_seen { color } else { Spectrum::ZERO }, alpha: 1.0 }
+        let radiance = first_sight(scene, ray, self.hide_emitters).map_or_else(
+            |background| background,
+            |surface| Radiance {
+                color: emitted(scene, &surface, ray.direction, &seen),
+                alpha: 1.0,
+            },
+        );
+        if self.max_depth > 0 { radiance } else { Radiance { color: Spectrum::ZERO, ..radiance } }
     }
 
     fn traces_particles(&self) -> bool {

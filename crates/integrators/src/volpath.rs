@@ -2,7 +2,7 @@
 
 use crate::light::sample_light;
 use crate::media::{Connection, Event, Heuristic, Traveller, Vertex, Weights};
-use crate::path::depths;
+use crate::path::{HIDE_EMITTERS, depths};
 use crate::sheet::Sheet;
 use crate::{Integrator, Radiance, Start};
 use etendue_document::Parameters;
@@ -42,12 +42,7 @@ pub(crate) const PARAMETERS: [ParameterManual; 3] = [
         default: "5",
         meaning: "Beyond this depth, paths end by Russian roulette.",
     },
-    ParameterManual {
-        name: "hide_emitters",
-        kind: "boolean",
-        default: "false",
-        meaning: "The camera does not see emitters.",
-    },
+    HIDE_EMITTERS,
 ];
 
 /// The volumetric path tracer.
@@ -124,16 +119,6 @@ impl Numbers {
 
 impl Integrator for VolumePath {
     fn sample(
-        &self,
-        scene: &Scene,
-        ray: &Ray,
-        stream: &mut SampleStream,
-        layers: &mut [f32],
-    ) -> Radiance {
-        self.sample_within(scene, &Start { ray: *ray, medium: None }, stream, layers)
-    }
-
-    fn sample_within(
         &self,
         scene: &Scene,
         start: &Start,

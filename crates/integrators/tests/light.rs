@@ -1,7 +1,7 @@
 //! Closed forms: what whole renders of simple scenes must come to.
 
 use etendue_document::{Diagnostics, MemoryResources};
-use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
+use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, load_str};
 use etendue_render::{BuildOptions, Scene, build_scene};
@@ -41,7 +41,12 @@ impl Setup {
         for index in 0..samples {
             let mut stream = spec.start(UVec2::new(3, 4), index);
             let ray = Ray::new(origin, direction.normalize());
-            let radiance = self.integrator.sample(&self.scene, &ray, &mut stream, &mut layers);
+            let radiance = self.integrator.sample(
+                &self.scene,
+                &Start { ray, medium: None },
+                &mut stream,
+                &mut layers,
+            );
             accumulator.add(f64::from(radiance.color.luminance()));
         }
         accumulator
@@ -254,7 +259,8 @@ fn layers_hold_what_they_are_named_for() {
     let spec = SamplerSpec::new(SamplerKind::Independent, 1, 0);
     let mut values = vec![0.0; 2 * names.len()];
     let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
-    let seen = integrator.sample(&scene, &ray, &mut spec.start(UVec2::ZERO, 0), &mut values);
+    let start = Start { ray, medium: None };
+    let seen = integrator.sample(&scene, &start, &mut spec.start(UVec2::ZERO, 0), &mut values);
     assert!((seen.color.luminance() - 3.0).abs() < 1e-4 && seen.alpha == 1.0);
     let [x, y, z] = rgb_to_xyz([3.0; 3]);
     let expected = [3.0, 3.0, 3.0, 1.0, 3.0, 0.5, 0.5, 0.5, 0.0, 0.0, 1.0, x, y, z, x, y, z];

@@ -5,34 +5,42 @@ mod wave;
 use crate::nested::sample_alone;
 use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters};
-use etendue_math::Ray;
 use etendue_render::{Manual, ParameterManual, Scene};
 use etendue_sampling::SampleStream;
 use wave::Wave;
+
+/// The parameter that [`depths`] reads first.
+pub(crate) const MAX_DEPTH: ParameterManual = ParameterManual {
+    name: "max_depth",
+    kind: "integer",
+    default: "-1",
+    meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit.",
+};
+
+/// The parameter that [`depths`] reads second.
+pub(crate) const RR_DEPTH: ParameterManual = ParameterManual {
+    name: "rr_depth",
+    kind: "integer",
+    default: "5",
+    meaning: "From this depth on, paths end by Russian roulette.",
+};
+
+/// The parameter of every integrator that can pass through emitters.
+pub(crate) const HIDE_EMITTERS: ParameterManual = ParameterManual {
+    name: "hide_emitters",
+    kind: "boolean",
+    default: "false",
+    meaning: "The camera does not see emitters.",
+};
 
 /// The manual page.
 pub(crate) const MANUAL: Manual = Manual {
     summary: "Path tracing: at every vertex an emitter is sampled and the material is sampled, and both \
               are combined by multiple importance sampling.",
     parameters: &[
-        ParameterManual {
-            name: "max_depth",
-            kind: "integer",
-            default: "-1",
-            meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit.",
-        },
-        ParameterManual {
-            name: "rr_depth",
-            kind: "integer",
-            default: "5",
-            meaning: "From this depth on, paths end by Russian roulette.",
-        },
-        ParameterManual {
-            name: "hide_emitters",
-            kind: "boolean",
-            default: "false",
-            meaning: "The camera does not see emitters.",
-        },
+        MAX_DEPTH,
+        RR_DEPTH,
+        HIDE_EMITTERS,
         ParameterManual {
             name: "strict_normals",
             kind: "boolean",
@@ -88,11 +96,11 @@ impl Integrator for Path {
     fn sample(
         &self,
         scene: &Scene,
-        ray: &Ray,
+        start: &Start,
         stream: &mut SampleStream,
         layers: &mut [f32],
     ) -> Radiance {
-        sample_alone(self, scene, &Start { ray: *ray, medium: None }, stream, layers)
+        sample_alone(self, scene, start, stream, layers)
     }
 
     fn sample_batch(

@@ -1,3 +1,5 @@
+//! What measured materials read, scatter and refuse.
+
 use crate::bsdf::testing::assert_finds;
 use etendue_document::{Fault, Severity};
 
