@@ -9,6 +9,7 @@ mod bounds;
 mod float;
 mod frame;
 pub mod interval;
+pub mod lanes;
 pub mod polynomial;
 mod ray;
 mod transform;

@@ -9,6 +9,7 @@ mod blackbody;
 pub mod cie;
 pub mod colour;
 mod conversion;
+mod lanes;
 mod materials;
 mod operators;
 mod parse;
@@ -18,6 +19,7 @@ mod table;
 
 pub use blackbody::{blackbody_radiance, blackbody_rgb};
 pub use conversion::{SpectrumUse, SpectrumValue};
+pub use lanes::SpectrumLanes;
 pub use materials::{Metal, metal, metal_names, refractive_index, refractive_index_names};
 pub use parse::{SpdError, SpectrumValueError, parse_spd};
 pub use sampled::{SampleError, SampledSpectrum};

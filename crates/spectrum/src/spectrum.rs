@@ -50,6 +50,18 @@ impl Spectrum {
         self.live().to_array()
     }
 
+    /// The live lanes.
+    #[inline(always)]
+    pub(crate) fn components(self) -> [f32; Self::LANES] {
+        self.live().to_array()
+    }
+
+    /// A spectrum from its live lanes.
+    #[inline(always)]
+    pub(crate) const fn from_components([a, b, c]: [f32; Self::LANES]) -> Self {
+        Self(Vec4::new(a, b, c, 0.0))
+    }
+
     /// The largest of the live lanes; any lane or NaN where one is NaN.
     #[inline]
     #[must_use]

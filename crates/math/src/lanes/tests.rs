@@ -1,0 +1,115 @@
+//! Lanes against single numbers, bit by bit, with every set of instructions of this machine.
+
+use super::*;
+
+const VALUES: [f32; MAX_LANES] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.5,
+    3.25,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::NAN,
+    1e-40,
+    -1e-45,
+    f32::MAX,
+    f32::MIN,
+    f32::MIN_POSITIVE,
+    0.1,
+    -7.7,
+    1e9,
+];
+
+fn levels() -> Vec<Level> {
+    vec![baseline(), Level::new()]
+}
+
+/// Compares a function of one number in lanes with itself on each number alone.
+macro_rules! assert_same {
+    ($name:literal, |$x:ident| $body:expr) => {
+        for level in levels() {
+            let mut results = LaneArray::ZERO;
+            with_lanes!(level, simd => apply(simd, &mut results, |$x| $body));
+            for (lane, &value) in VALUES.iter().enumerate() {
+                let $x = value;
+                let expected: f32 = $body;
+                let same = results.0[lane].to_bits() == expected.to_bits()
+                    || results.0[lane].is_nan() && expected.is_nan();
+                assert!(same, "{}({value}): {} {expected}", $name, results.0[lane]);
+            }
+        }
+    };
+}
+
+#[inline(always)]
+fn apply<S: Simd>(simd: S, results: &mut LaneArray, function: impl Fn(Lanes<S>) -> Lanes<S>) {
+    for first in (0..MAX_LANES).step_by(Lanes::<S>::COUNT) {
+        function(Lanes::load(simd, &LaneArray(VALUES), first)).store(results, first);
+    }
+}
+
+#[test]
+fn lanes_give_the_bits_of_single_numbers() {
+    assert_same!("next_up", |x| Real::next_up(x));
+    assert_same!("next_down", |x| Real::next_down(x));
+    assert_same!("sqrt", |x| Real::sqrt(x));
+    assert_same!("safe_sqrt", |x| Real::safe_sqrt(x));
+    assert_same!("reciprocal", |x| Real::reciprocal(x));
+    assert_same!("arithmetic", |x| -(x * 3.0 - x / (x * x + 0.5)));
+    assert_same!("max", |x| Real::max(x, Real::like(x, 0.5)));
+    assert_same!("min", |x| Real::min(x, Real::like(x, 0.5)));
+    assert_same!("copysign", |x| Real::copysign(Real::like(x, 2.0), x));
+    assert_same!("finite", |x| Real::select(Real::is_finite(x), x, Real::zero(x)));
+}
+
+#[test]
+fn whole_numbers_and_powers_fit_together() {
+    assert_same!("floor", |x| {
+        let inside = Real::select(Real::abs(x).below(1e9), x, Real::zero(x));
+        Real::floor(inside)
+    });
+    assert_same!("power_of_two", |x| {
+        let inside = Real::select(Real::abs(x).below(100.0), x, Real::zero(x));
+        Real::power_of_two(Real::floor(inside))
+    });
+    assert_same!("mantissa and exponent", |x| {
+        let normal = Real::select(Real::is_finite(x), Real::abs(x), Real::like(x, 1.0));
+        let (mantissa, exponent) =
+            Real::mantissa_and_exponent(Real::max(normal, normal.like(1e-30)));
+        mantissa + exponent
+    });
+    let (mantissa, exponent) = Real::mantissa_and_exponent(40.0_f32);
+    assert_eq!((mantissa, exponent), (1.25, 5.0));
+    assert_eq!(Real::floor(-0.5_f32), -1.0);
+}
+
+#[test]
+fn masks_name_their_lanes() {
+    for level in levels() {
+        let bits = with_lanes!(level, simd => masks(simd));
+        assert!(bits.0 && bits.1 && bits.2, "{level:?}");
+    }
+}
+
+#[inline(always)]
+fn masks<S: Simd>(simd: S) -> (bool, bool, bool) {
+    let count = Lanes::<S>::COUNT;
+    let numbers = Lanes::from_fn(simd, |lane| lane as f32);
+    let low = numbers.below(2.0);
+    let round_trip = LaneMask::from_bits(simd, low.bits()).bits() == 0b11;
+    let all = (low | !low).all() && !(low & !low).any();
+    let inverse = (!low).bits() == (1 << count) - 1 - 0b11;
+    (round_trip, all, inverse)
+}
+
+#[test]
+fn frames_are_those_of_single_vectors() {
+    use glam::Vec3;
+    let n = Vec3::new(0.48, -0.6, 0.64);
+    for tangent in [Vec3::X, Vec3::ZERO, n * 2.0, Vec3::splat(f32::NAN), Vec3::splat(f32::MAX)] {
+        let single = crate::Frame::from_normal_and_tangent(n, tangent);
+        let generic = Frame3::<f32>::from_normal_and_tangent(n.into(), tangent.into());
+        assert_eq!([single.s, single.t], [generic.s, generic.t].map(Vec3::from), "{tangent}");
+    }
+}

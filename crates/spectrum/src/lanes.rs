@@ -1,0 +1,159 @@
+//! Spectra of several paths at once.
+
+use crate::Spectrum;
+use etendue_math::lanes::{LaneArray, Lanes, Real, Simd};
+use std::ops::{Add, Div, Mul, Sub};
+
+/// A [`Spectrum`] over any [`Real`]: one for each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct SpectrumLanes<R>([R; Spectrum::LANES]);
+
+impl<R: Real> SpectrumLanes<R> {
+    /// A function of each component.
+    #[inline(always)]
+    #[must_use]
+    pub fn map(self, function: impl Fn(R) -> R) -> Self {
+        Self(self.0.map(function))
+    }
+
+    /// A function of each pair of components.
+    #[inline(always)]
+    #[must_use]
+    pub fn zip(self, other: Self, function: impl Fn(R, R) -> R) -> Self {
+        Self(std::array::from_fn(|component| function(self.0[component], other.0[component])))
+    }
+
+    /// The same value in every component.
+    #[inline(always)]
+    #[must_use]
+    pub fn grey(value: R) -> Self {
+        Self([value; Spectrum::LANES])
+    }
+
+    /// The greatest component.
+    #[inline(always)]
+    #[must_use]
+    pub fn max_component(self) -> R {
+        let [first, rest @ ..] = self.0;
+        rest.into_iter().fold(first, R::max)
+    }
+
+    /// The mean of the components.
+    #[inline(always)]
+    #[must_use]
+    pub fn mean(self) -> R {
+        let [first, rest @ ..] = self.0;
+        rest.into_iter().fold(first, |sum, component| sum + component)
+            * (1.0 / Spectrum::LANES as f32)
+    }
+
+    /// Whether all components are zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_black(self) -> R::Mask {
+        let [first, rest @ ..] = self.0.map(|component| component.equals(component.zero()));
+        rest.into_iter().fold(first, |black, component| black & component)
+    }
+
+    /// `yes` where the mask is true, `no` elsewhere.
+    #[inline(always)]
+    #[must_use]
+    pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        yes.zip(no, |yes, no| R::select(mask, yes, no))
+    }
+}
+
+impl<S: Simd> SpectrumLanes<Lanes<S>> {
+    /// The same spectrum in all lanes.
+    #[inline(always)]
+    #[must_use]
+    pub fn splat(simd: S, spectrum: Spectrum) -> Self {
+        Self(std::array::from_fn(|component| Lanes::splat(simd, spectrum[component])))
+    }
+
+    /// Spectra from memory; see [`Lanes::load`].
+    #[inline(always)]
+    #[must_use]
+    pub fn load(simd: S, arrays: &[LaneArray; Spectrum::LANES], first: usize) -> Self {
+        Self(std::array::from_fn(|component| Lanes::load(simd, &arrays[component], first)))
+    }
+
+    /// Spectra to memory; see [`Lanes::store`].
+    #[inline(always)]
+    pub fn store(self, arrays: &mut [LaneArray; Spectrum::LANES], first: usize) {
+        for (component, array) in self.0.into_iter().zip(arrays) {
+            component.store(array, first);
+        }
+    }
+}
+
+impl From<Spectrum> for SpectrumLanes<f32> {
+    #[inline(always)]
+    fn from(spectrum: Spectrum) -> Self {
+        Self(spectrum.components())
+    }
+}
+
+impl From<SpectrumLanes<f32>> for Spectrum {
+    #[inline(always)]
+    fn from(spectrum: SpectrumLanes<f32>) -> Self {
+        Self::from_components(spectrum.0)
+    }
+}
+
+macro_rules! arithmetic {
+    ($($operation:ident $function:ident $operator:tt;)*) => {
+        $(impl<R: Real> $operation for SpectrumLanes<R> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $operator b)
+            }
+        })*
+    };
+}
+
+arithmetic! {
+    Add add +;
+    Sub sub -;
+    Mul mul *;
+    Div div /;
+}
+
+impl<R: Real> Mul<R> for SpectrumLanes<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, factor: R) -> Self {
+        self.map(|component| component * factor)
+    }
+}
+
+impl<R: Real> Div<R> for SpectrumLanes<R> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, divisor: R) -> Self {
+        self.map(|component| component / divisor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_lane_is_a_spectrum() {
+        let (a, b) = (Spectrum::from([0.1, 0.7, 3.0]), Spectrum::from([0.3, 0.0, 2.0]));
+        let (x, y) = (SpectrumLanes::<f32>::from(a), SpectrumLanes::<f32>::from(b));
+        assert_eq!(Spectrum::from(x * y), a * b);
+        assert_eq!(Spectrum::from(x + y), a + b);
+        assert_eq!(Spectrum::from(x - y), a - b);
+        assert_eq!(Spectrum::from(x * 0.3), a * 0.3);
+        assert_eq!(Spectrum::from(y / x), b / a);
+        assert_eq!(x.max_component(), a.max_component());
+        assert!((x.mean() - a.mean()).abs() < 1e-6);
+        assert!(!y.is_black() && SpectrumLanes::<f32>::from(Spectrum::ZERO).is_black());
+    }
+}
