@@ -1,19 +1,15 @@
 //! Orthonormal frames, and directions within them.
 
+use crate::lanes::Frame3;
 use glam::Vec3;
 
-/// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`.
-///
-/// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+/// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`; see
+/// [`Frame3::from_normal`].
 #[inline(always)]
 #[must_use]
 pub fn coordinate_system(n: Vec3) -> (Vec3, Vec3) {
-    let sign = 1.0_f32.copysign(n.z);
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
-    let s = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
-    let t = Vec3::new(b, sign + n.y * n.y * a, -n.y);
-    (s, t)
+    let frame = Frame3::<f32>::from_normal(n.into());
+    (frame.s.into(), frame.t.into())
 }
 
 /// A right-handed orthonormal basis: tangent `s`, bitangent `t`, normal `n`.
@@ -41,14 +37,8 @@ impl Frame {
     #[inline(always)]
     #[must_use]
     pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
-        let along = tangent - n * n.dot(tangent);
-        let length_squared = along.length_squared();
-        // Below this the direction that is left after the subtraction is rounding noise.
-        if length_squared.is_finite() && length_squared > 1e-12 * tangent.length_squared() {
-            let s = along * (1.0 / length_squared.sqrt());
-            return Self { s, t: n.cross(s), n };
-        }
-        Self::from_normal(n)
+        let frame = Frame3::<f32>::from_normal_and_tangent(n.into(), tangent.into());
+        Self { s: frame.s.into(), t: frame.t.into(), n }
     }
 
     /// World to local coordinates.

@@ -1,6 +1,6 @@
 //! Rays, and origins that leave a surface without hitting it again.
 
-use crate::float::{next_down, next_up};
+use crate::lanes::{Real, Vector3};
 use glam::Vec3;
 
 /// A half-line `origin + t · direction` for `t` in `(0, t_max)`.
@@ -49,19 +49,28 @@ impl Ray {
 #[inline(always)]
 #[must_use]
 pub fn offset_ray_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    offset_origin_lanes(point.into(), error.into(), normal.into(), direction.into()).into()
+}
+
+/// As [`offset_ray_origin`], over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn offset_origin_lanes<R: Real>(
+    point: Vector3<R>,
+    error: Vector3<R>,
+    normal: Vector3<R>,
+    direction: Vector3<R>,
+) -> Vector3<R> {
     let distance = normal.abs().dot(error);
-    let offset = if direction.dot(normal) < 0.0 { -normal * distance } else { normal * distance };
+    let zero = distance.zero();
+    let distance = R::select(direction.dot(normal).lt(zero), -distance, distance);
+    let offset = normal * distance;
     let moved = point + offset;
-    let round_outwards = |coordinate: f32, offset: f32| {
-        if offset > 0.0 {
-            next_up(coordinate)
-        } else if offset < 0.0 {
-            next_down(coordinate)
-        } else {
-            coordinate
-        }
+    let round_outwards = |coordinate: R, offset: R| {
+        let up = R::select(offset.gt(zero), coordinate.next_up(), coordinate);
+        R::select(offset.lt(zero), coordinate.next_down(), up)
     };
-    Vec3::new(
+    Vector3::new(
         round_outwards(moved.x, offset.x),
         round_outwards(moved.y, offset.y),
         round_outwards(moved.z, offset.z),

@@ -1,16 +1,20 @@
 //! Triangle meshes: what `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface` become.
 
 mod picture;
+mod triangle;
 
 pub use picture::Glow;
+pub use triangle::TriangleBlock;
 
 use super::{ShapeSample, SurfacePoint};
 use crate::interaction::SurfaceInteraction;
 use etendue_document::Parameters;
-use etendue_math::{Bounds3, Transform, coordinate_system, rounding_error_bound};
+use etendue_math::lanes::{Vector2, Vector3};
+use etendue_math::{Bounds3, Transform, rounding_error_bound};
 use etendue_mesh::{Attribute, MeshError, TriangleMesh};
 use etendue_sampling::{AliasSample, AliasTable, warp};
 use glam::{Vec2, Vec3};
+use triangle::{TrianglePoint, interpolate};
 
 /// A mesh placed in the world, with what sampling points on it needs.
 ///
@@ -283,22 +287,19 @@ impl Mesh {
     #[must_use]
     pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
         let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
-        let [a, b, c] = vertices.map(|vertex| self.positions[vertex]);
-        let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
-        let (point, error) = interpolate([a, b, c], weights);
-        let (edge_1, edge_2) = (b - a, c - a);
-        let normal = edge_1.cross(edge_2).normalize_or(Vec3::Z) * self.orientation;
-        let (uv, tangents) = self.parametrization(vertices, barycentric, [edge_1, edge_2]);
-        let (dp_du, dp_dv) = tangents.unwrap_or_else(|| coordinate_system(normal));
-        SurfacePoint {
-            point,
-            error,
-            normal,
-            shading_normal: self.shading_normal(vertices, weights).unwrap_or(normal),
-            uv,
-            dp_du,
-            dp_dv,
-        }
+        let (smooth, mapped) = (!self.normals.is_empty(), !self.uvs.is_empty());
+        let none3 = [Vector3::from(Vec3::ZERO); 3];
+        let none2 = [Vector2::from(Vec2::ZERO); 3];
+        let normals = if smooth { vertices.map(|v| self.normals[v].into()) } else { none3 };
+        let uvs = if mapped { vertices.map(|v| self.uvs[v].into()) } else { none2 };
+        let point = TrianglePoint::<f32> {
+            corners: vertices.map(|vertex| self.positions[vertex].into()),
+            barycentric: barycentric.into(),
+            orientation: self.orientation,
+            normals: (smooth, normals),
+            uvs: (mapped, uvs),
+        };
+        point.surface().into()
     }
 
     #[inline(always)]
@@ -308,30 +309,6 @@ impl Mesh {
         }
         let [a, b, c] = vertices.map(|vertex| self.normals[vertex]);
         (a * weights[0] + b * weights[1] + c * weights[2]).try_normalize()
-    }
-
-    /// The surface coordinates, and the position's derivatives by them where they are independent.
-    #[inline(always)]
-    fn parametrization(
-        &self,
-        vertices: [usize; 3],
-        barycentric: Vec2,
-        edges: [Vec3; 2],
-    ) -> (Vec2, Option<(Vec3, Vec3)>) {
-        if self.uvs.is_empty() {
-            return (barycentric, None);
-        }
-        let [a, b, c] = vertices.map(|vertex| self.uvs[vertex]);
-        let (uv_1, uv_2) = (b - a, c - a);
-        let uv = a + uv_1 * barycentric.x + uv_2 * barycentric.y;
-        let determinant = uv_1.perp_dot(uv_2);
-        if determinant == 0.0 {
-            return (uv, None);
-        }
-        let inverse = 1.0 / determinant;
-        let dp_du = (edges[0] * uv_2.y - edges[1] * uv_1.y) * inverse;
-        let dp_dv = (edges[1] * uv_1.x - edges[0] * uv_2.x) * inverse;
-        (uv, (dp_du.is_finite() && dp_dv.is_finite()).then_some((dp_du, dp_dv)))
     }
 
     /// A point, uniform in area unless it follows a picture; `None` where the mesh has none or was not made ready.
@@ -365,7 +342,7 @@ impl Mesh {
         let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
         let corners = vertices.map(|vertex| self.positions[vertex]);
         let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
-        let (point, error) = interpolate(corners, weights);
+        let (point, error) = interpolate(corners.map(Vector3::from), weights);
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).normalize_or(Vec3::Z) * self.orientation;
         let uv = if self.uvs.is_empty() {
@@ -375,31 +352,14 @@ impl Mesh {
             a * weights[0] + b * weights[1] + c * weights[2]
         };
         ShapeSample {
-            point,
-            error,
+            point: point.into(),
+            error: error.into(),
             normal,
             shading_normal: self.shading_normal(vertices, weights).unwrap_or(normal),
             uv,
             pdf: 1.0 / self.area,
         }
     }
-}
-
-/// The point of a triangle with barycentric coordinates `weights`, and a bound of its error.
-///
-/// The bound is that of interpolating three vertices by weights that sum to one: γ₇ times the sum of
-/// the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5). To it comes what the
-/// intersection test itself can be wrong by: it works on the vertices as seen from the ray's origin,
-/// and its distance to the plane is rounded in proportion to how far they are. Without this a ray
-/// leaving a floor in the plane y = 0, where the first bound vanishes, hits the floor again.
-#[inline(always)]
-fn interpolate([a, b, c]: [Vec3; 3], weights: [f32; 3]) -> (Vec3, Vec3) {
-    let terms = [a * weights[0], b * weights[1], c * weights[2]];
-    let magnitude = terms[0].abs() + terms[1].abs() + terms[2].abs();
-    let reach = (b - a).abs().max((c - a).abs()).max_element();
-    let error = magnitude * rounding_error_bound(7)
-        + Vec3::splat(reach * rounding_error_bound(INTERSECTION_ROUNDINGS));
-    (terms[0] + terms[1] + terms[2], error)
 }
 
 /// Chooses a triangle, and gives what is left of the second number. The bits of one number do for a
