@@ -1,4 +1,8 @@
 //! Integer mixing, hashed permutations, and the conversion of bits to numbers in [0, 1).
+//!
+//! What streams draw in lanes is written over words of any number of lanes; a `u32` or `u64` is one.
+
+use etendue_math::lanes::{Word32, Word64};
 
 /// The greatest single-precision number below one.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -7,10 +11,10 @@ pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The upper 24 of 32 random bits as a number in [0, 1): every value is exact and below one.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn unit_float(bits: u32) -> f32 {
-    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+pub fn unit_float<W: Word32>(bits: W) -> W::Real {
+    (bits >> 8).to_real() * (1.0 / 16_777_216.0)
 }
 
 /// A bijection of 32-bit integers in which every input bit flips every output bit about half the
@@ -25,11 +29,11 @@ pub fn mix32(value: u32) -> u32 {
 
 /// A bijection of 64-bit integers with full avalanche (Stafford's variant 13 of the MurmurHash3
 /// finaliser, as in SplitMix64).
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn mix64(value: u64) -> u64 {
-    let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+pub fn mix64<W: Word64>(value: W) -> W {
+    let value = (value ^ (value >> 30)).times(0xbf58_476d_1ce4_e5b9);
+    let value = (value ^ (value >> 27)).times(0x94d0_49bb_1331_11eb);
     value ^ (value >> 31)
 }
 
@@ -84,16 +88,15 @@ fn permute_masked(value: u32, keys: u64, mask: u32, shift: u32) -> u32 {
 ///
 /// The hash of Laine and Karras with the constants found by Vegdahl (Burley, *Practical Hash-based
 /// Owen Scrambling*, JCGT 2020, section 2, and Vegdahl's note on it, 2021).
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn scramble_reversed(value: u32, seed: u32) -> u32 {
+pub fn scramble_reversed<W: Word32>(value: W, seed: W) -> W {
     let mut value = value;
-    value ^= value.wrapping_mul(0x3d20_adea);
+    value = value ^ value.times(0x3d20_adea);
     value = value.wrapping_add(seed);
     value = value.wrapping_mul((seed >> 16) | 1);
-    value ^= value.wrapping_mul(0x0552_6c56);
-    value ^= value.wrapping_mul(0x53a2_2864);
-    value
+    value = value ^ value.times(0x0552_6c56);
+    value ^ value.times(0x53a2_2864)
 }
 
 #[cfg(test)]

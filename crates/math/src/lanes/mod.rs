@@ -9,14 +9,20 @@
 //! Constants stand on the right (`x * 2.0`, `-x + 1.0`), where their lanes are known from the left.
 //!
 //! Everything is inlined into the loop behind [`with_lanes!`](crate::with_lanes), which is compiled
-//! once for each set of instructions; a function that is not inlined would lose them.
+//! once for each set of instructions; a function that is not inlined would lose them. So would a
+//! closure with more than an operation or two in it, by which every one of them becomes a call:
+//! methods, marked like the rest, take their place.
+//!
+//! What hashes and mixes bits is written over [`Word32`] and [`Word64`] in the same way.
 
 mod float;
+mod integer;
 mod mask;
 mod vector;
 
 pub use fearless_simd::{Level, Simd};
 pub use float::{LaneArray, Lanes, Real};
+pub use integer::{Word, Word32, Word64, WordArray32, WordArray64, WordLanes32, WordLanes64};
 pub use mask::{LaneMask, Mask};
 pub use vector::{Frame3, Vector2, Vector3};
 

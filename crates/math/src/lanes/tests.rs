@@ -113,3 +113,48 @@ fn frames_are_those_of_single_vectors() {
         assert_eq!([single.s, single.t], [generic.s, generic.t].map(Vec3::from), "{tangent}");
     }
 }
+
+#[test]
+fn words_in_lanes_are_those_of_single_words() {
+    let words: [u64; MAX_LANES] = std::array::from_fn(|lane| {
+        (lane as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (0xffff_ffff << (2 * lane))
+    });
+    for level in levels() {
+        let mut results = [WordArray32::default(); 4];
+        with_lanes!(level, simd => words_in_lanes(simd, &WordArray64(words), &mut results));
+        for (lane, &word) in words.iter().enumerate() {
+            let expected = work_on_words(word);
+            let lanes = [0, 1, 2].map(|result| results[result].0[lane]);
+            assert_eq!(lanes, expected, "{level:?}, lane {lane}");
+            assert_eq!(f32::from_bits(results[3].0[lane]), (expected[0] >> 8) as f32);
+            assert_eq!(expected[1], expected[0].reverse_bits());
+        }
+    }
+}
+
+/// A number that every operation on words has a part in, its bits in reverse order, and another's.
+#[inline(always)]
+fn work_on_words<W: Word64>(word: W) -> [W::Half; 3] {
+    let long = word.times(0xbf58_476d_1ce4_e5b9) ^ (word >> 27 | word << 11);
+    let long = long.wrapping_mul(word.plus(0x1234_5678_9abc_def1)) & 0xffff_0fff_ffff_fff7 | 2;
+    let long = long.wrapping_add(word);
+    let (upper, lower) = (long.upper(), long.lower());
+    let half = upper.wrapping_mul(lower).plus(0x8000_0007).wrapping_add(lower.times(0x0552_6c57));
+    let [first, second] = Word32::reverse_bits_of_both(half, upper);
+    [half, first, second ^ (lower & 0xff | 3)]
+}
+
+#[inline(always)]
+fn words_in_lanes<S: Simd>(simd: S, words: &WordArray64, results: &mut [WordArray32; 4]) {
+    for first in (0..MAX_LANES).step_by(Lanes::<S>::COUNT) {
+        let computed = work_on_words(WordLanes64::load(simd, words, first));
+        let [a, b, c, real] = results;
+        computed[0].store(a, first);
+        computed[1].store(b, first);
+        computed[2].store(c, first);
+        let exact = (computed[0] >> 8).to_real();
+        for lane in 0..Lanes::<S>::COUNT {
+            real.0[first + lane] = exact.lane(lane).to_bits();
+        }
+    }
+}

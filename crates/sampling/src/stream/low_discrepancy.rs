@@ -3,6 +3,7 @@
 use super::{SampleStream, next_seed};
 use crate::hash::{permute, unit_float};
 use crate::stream::sobol::second_dimension_reversed;
+use etendue_math::lanes::Word64 as _;
 use glam::Vec2;
 
 #[inline]
@@ -14,10 +15,11 @@ pub(super) fn next_1d(stream: &SampleStream) -> f32 {
 
 #[inline]
 pub(super) fn next_2d(stream: &SampleStream) -> Vec2 {
-    let (seed, scramble) = stream.set_seeds();
+    let bits = stream.set_bits();
+    let (seed, scramble) = (bits.upper(), bits.lower());
     let index = permute(stream.index, stream.sets.count, seed);
     Vec2::new(
         unit_float(index.reverse_bits() ^ scramble),
-        unit_float(second_dimension_reversed(index).reverse_bits() ^ next_seed(seed, scramble)),
+        unit_float(second_dimension_reversed(index).reverse_bits() ^ next_seed(bits)),
     )
 }

@@ -5,6 +5,7 @@
 
 mod halton;
 mod hammersley;
+mod lanes;
 mod low_discrepancy;
 mod multijitter;
 mod orthogonal;
@@ -12,7 +13,10 @@ mod sobol;
 mod stratified;
 
 use crate::hash::{GOLDEN, ONE_MINUS_EPSILON, mix64, unit_float};
+use etendue_math::lanes::{Vector2, Word32, Word64};
 use glam::{UVec2, Vec2};
+
+pub use lanes::{NumberBlock, draw_vertices};
 
 /// The greatest planned number of samples per pixel; larger plans are cut to it.
 const MAX_PLANNED: u32 = 1 << 30;
@@ -190,7 +194,7 @@ impl SampleStream {
     pub fn next_independent_2d(&mut self) -> Vec2 {
         let bits = self.jitter();
         self.dimension = self.dimension.wrapping_add(2);
-        Vec2::new(unit_float((bits >> 32) as u32), unit_float(bits as u32))
+        point_of_bits(bits).into()
     }
 
     /// The dimension that the next number is taken from.
@@ -209,29 +213,51 @@ impl SampleStream {
     /// Whether the next number is drawn without regard to the other samples.
     #[inline]
     fn is_independent(&self) -> bool {
-        self.dimension >= SPREAD_DIMENSIONS || self.kind == SamplerKind::Independent
+        is_independent(self.kind, self.dimension)
     }
 
     /// 64 bits that no other dimension, sample, pixel or seed shares.
     #[inline]
     fn jitter(&self) -> u64 {
-        mix64(self.sample_seed.wrapping_add(u64::from(self.dimension).wrapping_mul(GOLDEN)))
+        bits_of_dimension(self.sample_seed, self.dimension)
     }
 
     /// Two seeds that the samples of this set have in common at this dimension.
     #[inline]
     fn set_seeds(&self) -> (u32, u32) {
-        let bits =
-            mix64(self.set_seed.wrapping_add(u64::from(self.dimension).wrapping_mul(GOLDEN)));
-        ((bits >> 32) as u32, bits as u32)
+        let bits = self.set_bits();
+        (bits.upper(), bits.lower())
+    }
+
+    /// These seeds, the first in the upper half.
+    #[inline]
+    fn set_bits(&self) -> u64 {
+        bits_of_dimension(self.set_seed, self.dimension)
     }
 }
 
+/// Whether numbers of this dimension are drawn without regard to the other samples.
+#[inline(always)]
+fn is_independent(kind: SamplerKind, dimension: u32) -> bool {
+    dimension >= SPREAD_DIMENSIONS || kind == SamplerKind::Independent
+}
+
+/// 64 bits for a dimension of a seed.
+#[inline(always)]
+fn bits_of_dimension<W: Word64>(seed: W, dimension: u32) -> W {
+    mix64(seed.plus(u64::from(dimension).wrapping_mul(GOLDEN)))
+}
+
+/// A point from 64 bits.
+#[inline(always)]
+fn point_of_bits<W: Word64>(bits: W) -> Vector2<<W::Half as Word32>::Real> {
+    Vector2::new(unit_float(bits.upper()), unit_float(bits.lower()))
+}
+
 /// A third seed from two: the upper half of a product depends on all of their bits.
-#[inline]
-fn next_seed(first: u32, second: u32) -> u32 {
-    let joined = u64::from(first) << 32 | u64::from(second);
-    (joined.wrapping_mul(0xd134_2543_de82_ef95) >> 32) as u32
+#[inline(always)]
+fn next_seed<W: Word64>(seeds: W) -> W::Half {
+    seeds.times(0xd134_2543_de82_ef95).upper()
 }
 
 /// The number at share `offset` of stratum `stratum` out of `count`; rounding never reaches one.

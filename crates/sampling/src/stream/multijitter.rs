@@ -2,6 +2,7 @@
 
 use super::{SampleStream, in_stratum, next_seed};
 use crate::hash::{permute, unit_float};
+use etendue_math::lanes::Word64 as _;
 use glam::Vec2;
 
 /// The grid nearest to a square, not wider than high, with at least `planned` cells.
@@ -15,11 +16,12 @@ pub(super) fn grid(planned: u32) -> (u32, u32) {
 #[inline]
 pub(super) fn next_2d(stream: &SampleStream) -> Vec2 {
     let (columns, rows) = (stream.sets.columns, stream.sets.rows);
-    let (seed, seed_columns) = stream.set_seeds();
+    let seeds = stream.set_bits();
+    let (seed, seed_columns) = (seeds.upper(), seeds.lower());
     let stratum = permute(stream.index, stream.sets.count, seed);
     let (column, row) = (stratum % columns, stratum / columns);
     let sub_column = permute(row, rows, seed_columns);
-    let sub_row = permute(column, columns, next_seed(seed, seed_columns));
+    let sub_row = permute(column, columns, next_seed(seeds));
     let jitter = stream.jitter();
     let x = unit_float((jitter >> 32) as u32);
     let y = unit_float(jitter as u32);

@@ -7,6 +7,7 @@
 
 use super::{SampleStream, next_seed};
 use crate::hash::{scramble_reversed, unit_float};
+use etendue_math::lanes::{Vector2, Word32, Word64};
 use glam::Vec2;
 
 #[inline]
@@ -18,29 +19,33 @@ pub(super) fn next_1d(stream: &SampleStream) -> f32 {
 
 #[inline]
 pub(super) fn next_2d(stream: &SampleStream) -> Vec2 {
-    let (shuffle, scramble) = stream.set_seeds();
-    let index = scramble_reversed(stream.index, shuffle).reverse_bits();
+    point(stream.index, stream.set_bits()).into()
+}
+
+/// The point of a sample, given its index with the bits reversed and the seeds of its set.
+#[inline(always)]
+pub(super) fn point<W: Word64>(index: W::Half, seeds: W) -> Vector2<<W::Half as Word32>::Real> {
+    let (shuffle, scramble) = (seeds.upper(), seeds.lower());
+    let index = scramble_reversed(index, shuffle).reverse_bits();
     let second = second_dimension_reversed(index);
     let x = scramble_reversed(index, scramble);
-    let y = scramble_reversed(second, next_seed(shuffle, scramble));
-    // One reversal for both: the halves change places.
-    let both = (u64::from(x) | u64::from(y) << 32).reverse_bits();
-    Vec2::new(unit_float((both >> 32) as u32), unit_float(both as u32))
+    let y = scramble_reversed(second, next_seed(seeds));
+    let [x, y] = Word32::reverse_bits_of_both(x, y);
+    Vector2::new(unit_float(x), unit_float(y))
 }
 
 /// The second Sobol' coordinate of point `index` as a 32-bit fraction with its bits reversed.
 ///
 /// Its matrix is Pascal's triangle modulo 2, which factors into five steps of doubled shifts (Ahmed,
 /// *An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact*, EGSR 2024).
-#[inline]
-pub(super) fn second_dimension_reversed(index: u32) -> u32 {
+#[inline(always)]
+pub(super) fn second_dimension_reversed<W: Word32>(index: W) -> W {
     let mut bits = index;
-    bits ^= (bits & 0xffff_0000) >> 16;
-    bits ^= (bits & 0xff00_ff00) >> 8;
-    bits ^= (bits & 0xf0f0_f0f0) >> 4;
-    bits ^= (bits & 0xcccc_cccc) >> 2;
-    bits ^= (bits & 0xaaaa_aaaa) >> 1;
-    bits
+    bits = bits ^ ((bits & 0xffff_0000) >> 16);
+    bits = bits ^ ((bits & 0xff00_ff00) >> 8);
+    bits = bits ^ ((bits & 0xf0f0_f0f0) >> 4);
+    bits = bits ^ ((bits & 0xcccc_cccc) >> 2);
+    bits ^ ((bits & 0xaaaa_aaaa) >> 1)
 }
 
 #[cfg(test)]

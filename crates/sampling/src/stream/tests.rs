@@ -3,7 +3,7 @@
 use super::*;
 use etendue_testkit::{Accumulator, chi2_discrete, t_test, welch};
 
-const KINDS: [SamplerKind; 8] = [
+pub(super) const KINDS: [SamplerKind; 8] = [
     SamplerKind::Independent,
     SamplerKind::Stratified,
     SamplerKind::Multijitter,
