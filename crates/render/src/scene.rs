@@ -1,6 +1,6 @@
 //! The frozen scene: immutable, flat, shared by all threads.
 
-use crate::bsdf::{Bsdf, Material, Materials};
+use crate::bsdf::{Bsdf, LaneMaterial, Material, Materials};
 use crate::emitter::Emitter;
 use crate::film::FilmSpec;
 use crate::ids::{EmitterId, MediumId, ShapeId};
@@ -66,6 +66,7 @@ pub struct Scene {
     top_level: usize,
     groups: Vec<Group>,
     materials: Vec<Material>,
+    lane_materials: Vec<LaneMaterial>,
     textures: Vec<Texture>,
     emitters: Vec<Emitter>,
     /// How emitters are chosen where they are not all alike.
@@ -193,6 +194,7 @@ impl Scene {
             shapes: parts.shapes,
             top_level,
             groups: parts.groups,
+            lane_materials: LaneMaterial::of_all(&parts.materials),
             materials: parts.materials,
             textures: parts.textures,
             emitter_table: emitter_table(&parts.emitter_weights, diagnostics),
@@ -287,7 +289,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn materials(&self) -> Materials<'_> {
-        Materials { materials: &self.materials }
+        Materials { materials: &self.materials, lanes: &self.lane_materials }
     }
 
     /// All textures.

@@ -5,7 +5,7 @@ use etendue_math::lanes::{LaneArray, Lanes, Real, Simd};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A [`Spectrum`] over any [`Real`]: one for each lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct SpectrumLanes<R>([R; Spectrum::LANES]);
 
 impl<R: Real> SpectrumLanes<R> {
@@ -14,6 +14,13 @@ impl<R: Real> SpectrumLanes<R> {
     #[must_use]
     pub fn map(self, function: impl Fn(R) -> R) -> Self {
         Self(self.0.map(function))
+    }
+
+    /// A function of each component in turn, to numbers of another kind.
+    #[inline(always)]
+    #[must_use]
+    pub fn convert<T: Real>(self, function: impl FnMut(R) -> T) -> SpectrumLanes<T> {
+        SpectrumLanes(self.0.map(function))
     }
 
     /// A function of each pair of components.

@@ -1,6 +1,7 @@
 //! Single-precision numbers, one or several.
 
 use super::MAX_LANES;
+use super::functions;
 use super::mask::{LaneMask, Mask};
 use fearless_simd::{Simd, prelude::*};
 use std::fmt::Debug;
@@ -104,6 +105,37 @@ pub trait Real:
     #[inline(always)]
     fn safe_sqrt(self) -> Self {
         self.max(self.zero()).sqrt()
+    }
+
+    /// e^x within two units in the last place; zero below −87, and infinite above 88.
+    #[inline(always)]
+    fn exp(self) -> Self {
+        functions::exp(self)
+    }
+
+    /// ln x within two units in the last place for a positive normal number; of others something
+    /// finite, or NaN.
+    #[inline(always)]
+    fn ln(self) -> Self {
+        functions::ln(self)
+    }
+
+    /// Sine and cosine of an angle between −π/4 and π/4, within two roundings of one.
+    #[inline(always)]
+    fn sin_cos_eighth(self) -> (Self, Self) {
+        functions::sin_cos_eighth(self)
+    }
+
+    /// Sine and cosine of 2πx, a number of turns, within two roundings of one.
+    #[inline(always)]
+    fn sin_cos_turn(self) -> (Self, Self) {
+        functions::sin_cos_turn(self)
+    }
+
+    /// The polynomial with the given coefficients, the constant first.
+    #[inline(always)]
+    fn polynomial<const COUNT: usize>(self, coefficients: &[f32; COUNT]) -> Self {
+        functions::polynomial(self, coefficients)
     }
 }
 

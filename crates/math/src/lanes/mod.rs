@@ -16,6 +16,7 @@
 //! What hashes and mixes bits is written over [`Word32`] and [`Word64`] in the same way.
 
 mod float;
+mod functions;
 mod integer;
 mod mask;
 mod vector;

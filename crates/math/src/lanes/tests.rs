@@ -85,6 +85,21 @@ fn whole_numbers_and_powers_fit_together() {
 }
 
 #[test]
+fn functions_give_the_bits_of_single_numbers() {
+    assert_same!("exp", |x| Real::exp(x));
+    assert_same!("exp nearer zero", |x| Real::exp(Real::min(x, x.like(1.0)) * 0.37));
+    assert_same!("ln", |x| {
+        let positive = Real::select(Real::is_finite(x), Real::abs(x), Real::like(x, 1.0));
+        Real::ln(Real::max(positive, positive.like(f32::MIN_POSITIVE)))
+    });
+    assert_same!("sine and cosine", |x| {
+        let inside = Real::select(Real::abs(x).below(1e8), x, Real::zero(x));
+        let (sine, cosine) = Real::sin_cos_turn(inside);
+        sine - cosine * 3.0
+    });
+}
+
+#[test]
 fn masks_name_their_lanes() {
     for level in levels() {
         let bits = with_lanes!(level, simd => masks(simd));

@@ -1,14 +1,16 @@
 //! `diffuse`: the ideal matt surface.
 
 use super::inputs::reflectance;
-use super::{BsdfSample, Closure, Lobe, Transport};
+use super::lanes::{LaneClosure, SampleLanes, eval_pdf_alone, sample_alone};
+use super::{BsdfSample, Closure, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
+use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_sampling::warp::cosine_hemisphere;
-use etendue_spectrum::Spectrum;
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The manual page.
@@ -53,41 +55,73 @@ impl Diffuse {
     #[inline]
     #[must_use]
     pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> DiffuseClosure {
-        DiffuseClosure { reflectance: self.reflectance.eval(textures, surface) }
+        DiffuseClosure { reflectance: self.reflectance.eval(textures, surface).into() }
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.reflectance.is_constant()
     }
 }
 
 /// A resolved Lambertian surface.
-#[derive(Clone, Copy, Debug)]
-pub struct DiffuseClosure {
-    reflectance: Spectrum,
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DiffuseClosure<R = f32> {
+    reflectance: SpectrumLanes<R>,
+}
+
+impl<R: Real> DiffuseClosure<R> {
+    /// A function of each number in turn.
+    #[inline(always)]
+    pub(super) fn map<T: Real>(self, number: impl FnMut(R) -> T) -> DiffuseClosure<T> {
+        DiffuseClosure { reflectance: self.reflectance.convert(number) }
+    }
+}
+
+impl<R: Real> LaneClosure<R> for DiffuseClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        let pdf = cosine_hemisphere::pdf_lanes(wo);
+        let pdf = R::select(wi.z.above(0.0), pdf, pdf.zero());
+        (self.reflectance * pdf, pdf)
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        _lobe: R,
+        direction: Vector2<R>,
+        _transport: Transport,
+    ) -> SampleLanes<R> {
+        let wo = cosine_hemisphere::sample_lanes(direction);
+        let pdf = cosine_hemisphere::pdf_lanes(wo);
+        let exists = wi.z.above(0.0) & pdf.above(0.0);
+        let weight = self.reflectance;
+        SampleLanes { wo, weight, pdf, exists, ..SampleLanes::smooth(wi) }
+    }
 }
 
 impl Closure for DiffuseClosure {
     #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
-        if wi.z <= 0.0 || wo.z <= 0.0 {
-            return (Spectrum::ZERO, 0.0);
-        }
-        let pdf = cosine_hemisphere::pdf(wo);
-        (self.reflectance * pdf, pdf)
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
     fn sample(
         &self,
         wi: Vec3,
-        _lobe: f32,
+        lobe: f32,
         direction: Vec2,
-        _transport: Transport,
+        transport: Transport,
     ) -> Option<BsdfSample> {
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let wo = cosine_hemisphere::sample(direction);
-        let pdf = cosine_hemisphere::pdf(wo);
-        let weight = self.reflectance;
-        (pdf > 0.0).then_some(BsdfSample { wo, weight, pdf, eta: 1.0, lobe: Lobe::Diffuse })
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     #[inline]
@@ -96,7 +130,7 @@ impl Closure for DiffuseClosure {
     }
 
     fn albedo(&self, wi: Vec3) -> Spectrum {
-        if wi.z > 0.0 { self.reflectance } else { Spectrum::ZERO }
+        if wi.z > 0.0 { self.reflectance.into() } else { Spectrum::ZERO }
     }
 }
 

@@ -350,7 +350,7 @@ impl Closure for HairClosure<'_> {
         let passage = Passage::new(self, wi);
         let wo = passage.sample(lobe, direction)?;
         let (value, pdf) = passage.eval_pdf(wo);
-        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Glossy };
+        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
         (pdf > 0.0 && pdf.is_finite()).then(sample)
     }
 

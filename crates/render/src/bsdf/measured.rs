@@ -169,7 +169,7 @@ impl Closure for MeasuredClosure<'_> {
             return None;
         }
         let (value, pdf) = incident.eval_pdf(wo);
-        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Glossy };
+        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
         (pdf > 0.0).then(sample)
     }
 

@@ -27,6 +27,7 @@ mod erf;
 pub mod fresnel;
 pub mod hair;
 mod inputs;
+mod lanes;
 pub mod mask;
 pub mod measured;
 pub mod microfacet;
@@ -50,6 +51,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 
+pub use lanes::{ClosureLanes, LaneKind, LaneMaterial, SampleLanes};
 pub use prepared::{Bsdf, Gather, Material, Materials, Placement};
 
 use etendue_spectrum::Spectrum;
@@ -67,10 +69,8 @@ pub enum Transport {
 /// How a sampled direction came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
-    /// Spread over many directions, without memory of `wi`.
-    Diffuse,
-    /// Spread around a preferred direction.
-    Glossy,
+    /// Spread over many directions.
+    Smooth,
     /// One direction only: mirrors and smooth glass.
     Delta,
     /// Straight on, as if no surface were there.
@@ -82,7 +82,7 @@ impl Lobe {
     #[inline]
     #[must_use]
     pub fn is_smooth(self) -> bool {
-        matches!(self, Self::Diffuse | Self::Glossy)
+        self == Self::Smooth
     }
 }
 

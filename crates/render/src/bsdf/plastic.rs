@@ -141,7 +141,7 @@ impl Closure for PlasticClosure {
         }
         let wo = cosine_hemisphere::sample(direction);
         let (value, pdf) = self.eval_pdf(wi, wo, transport);
-        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Diffuse };
+        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
         (pdf > 0.0).then(sample)
     }
 

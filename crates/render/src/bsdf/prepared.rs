@@ -1,9 +1,9 @@
 //! From a material and a hit to a resolved [`Bsdf`].
 
 use super::{
-    BsdfSample, Closure, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric, diffuse, hair,
-    mask, measured, normalmap, null, plastic, principled, principledthin, roughconductor,
-    roughdielectric, roughdiffuse, roughplastic, thindielectric, twosided,
+    BsdfSample, Closure, LaneMaterial, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric,
+    diffuse, hair, mask, measured, normalmap, null, plastic, principled, principledthin,
+    roughconductor, roughdielectric, roughdiffuse, roughplastic, thindielectric, twosided,
 };
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
@@ -156,6 +156,8 @@ impl Material {
 pub struct Materials<'a> {
     /// The materials.
     pub materials: &'a [Material],
+    /// What lanes know of each.
+    pub lanes: &'a [LaneMaterial],
 }
 
 /// What is known while a material is resolved at a hit.

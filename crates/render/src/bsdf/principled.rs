@@ -347,13 +347,13 @@ impl Facing<'_> {
             here
         };
         Some(if chosen(choice.diffuse) {
-            (cosine_hemisphere::sample(uniform), 1.0, Lobe::Diffuse)
+            (cosine_hemisphere::sample(uniform), 1.0, Lobe::Smooth)
         } else if chosen(choice.clearcoat) {
-            (fresnel::reflect(self.wi, self.closure.coat.sample(uniform)), 1.0, Lobe::Glossy)
+            (fresnel::reflect(self.wi, self.closure.coat.sample(uniform)), 1.0, Lobe::Smooth)
         } else if chosen(choice.transmission) {
-            (fresnel::refract(self.wi, m, &interface), self.eta, Lobe::Glossy)
+            (fresnel::refract(self.wi, m, &interface), self.eta, Lobe::Smooth)
         } else {
-            (fresnel::reflect(self.wi, m), 1.0, Lobe::Glossy)
+            (fresnel::reflect(self.wi, m), 1.0, Lobe::Smooth)
         })
     }
 }

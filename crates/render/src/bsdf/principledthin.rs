@@ -247,19 +247,19 @@ impl PrincipledThinClosure<'_> {
         };
         if chosen(lobes.specular_reflection) {
             let wo = fresnel::reflect(wi, self.base.microfacets(1.0).sample(wi, uniform));
-            return (wo.z > 0.0).then_some((wo, Lobe::Glossy));
+            return (wo.z > 0.0).then_some((wo, Lobe::Smooth));
         }
         if chosen(lobes.specular_transmission) {
             let m = self.passing_normals().sample(wi, uniform);
             let wo = through(fresnel::reflect(wi, m));
-            return (wo.z < 0.0 && wo.dot(m) < 0.0).then_some((wo, Lobe::Glossy));
+            return (wo.z < 0.0 && wo.dot(m) < 0.0).then_some((wo, Lobe::Smooth));
         }
         let wo = cosine_hemisphere::sample(uniform);
         if chosen(lobes.diffuse_reflection) {
-            return Some((wo, Lobe::Diffuse));
+            return Some((wo, Lobe::Smooth));
         }
         // What rounding leaves has no density where there is no such lobe, and fails.
-        Some((-wo, Lobe::Diffuse))
+        Some((-wo, Lobe::Smooth))
     }
 }
 

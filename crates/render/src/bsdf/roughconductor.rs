@@ -145,7 +145,7 @@ impl Closure for RoughConductorClosure {
             return None;
         }
         let (value, pdf) = self.eval_pdf_at(wi, wo, m);
-        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Glossy };
+        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
         (pdf > 0.0).then(sample)
     }
 

@@ -199,7 +199,7 @@ impl Closure for RoughDielectricClosure {
         }
         let (value, pdf) = facing.eval_pdf_at(wo, m, transport);
         let sample =
-            || BsdfSample { wo: wo * side, weight: value / pdf, pdf, eta, lobe: Lobe::Glossy };
+            || BsdfSample { wo: wo * side, weight: value / pdf, pdf, eta, lobe: Lobe::Smooth };
         (pdf > 0.0).then(sample)
     }
 

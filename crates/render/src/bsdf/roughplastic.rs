@@ -148,14 +148,15 @@ impl Closure for RoughPlasticClosure<'_> {
         }
         let reflected = 1.0 - self.table.entering(wi.z);
         let probability = specular_probability(self.specular, self.reflectance, reflected);
-        let (wo, lobe) = if lobe < probability {
+        let wo = if lobe < probability {
             let m = self.microfacets.sample(wi, direction);
-            (fresnel::reflect(wi, m), Lobe::Glossy)
+            fresnel::reflect(wi, m)
         } else {
-            (cosine_hemisphere::sample(direction), Lobe::Diffuse)
+            cosine_hemisphere::sample(direction)
         };
         let (value, pdf) = self.eval_pdf(wi, wo, transport);
-        (pdf > 0.0).then(|| BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe })
+        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
+        (pdf > 0.0).then(sample)
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Materials from XML, for tests.
 
-use super::{Bsdf, Material, Materials, Transport};
+use super::{Bsdf, LaneMaterial, Material, Materials, Transport};
 use crate::builder::{Assets, BuildOptions, Builder};
 use crate::ids::{MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;
@@ -17,7 +17,8 @@ use glam::{Vec2, Vec3};
 pub(crate) struct TestMaterial {
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
-    root: MaterialId,
+    lanes: Vec<LaneMaterial>,
+    pub(crate) root: MaterialId,
 }
 
 impl TestMaterial {
@@ -36,8 +37,12 @@ impl TestMaterial {
 
     /// The resolved scattering at a hit.
     pub(crate) fn bsdf_at(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
-        let materials = Materials { materials: &self.materials };
-        materials.prepare(self.root, Textures(&self.textures), surface)
+        self.materials().prepare(self.root, Textures(&self.textures), surface)
+    }
+
+    /// The material with those that it holds.
+    pub(crate) fn materials(&self) -> Materials<'_> {
+        Materials { materials: &self.materials, lanes: &self.lanes }
     }
 }
 
@@ -91,7 +96,8 @@ fn read(xml: &str) -> (Option<TestMaterial>, Vec<Diagnostic>) {
     let root = builder.material(node);
     assets.report_not_found();
     let (materials, textures) = (builder.materials, builder.textures);
-    (root.map(|root| TestMaterial { materials, textures, root }), diagnostics.sorted())
+    let lanes = LaneMaterial::of_all(&materials);
+    (root.map(|root| TestMaterial { materials, textures, lanes, root }), diagnostics.sorted())
 }
 
 /// A hit on the plane z = 0, whose shading frame is the world's.

@@ -68,6 +68,12 @@ fn transmits(materials: &[Material], id: MaterialId) -> bool {
 }
 
 impl TwoSided {
+    /// The material of both sides, if it is one.
+    #[must_use]
+    pub fn both(&self) -> Option<MaterialId> {
+        (self.front == self.back).then_some(self.front)
+    }
+
     /// Adds the closures of the side that `wi` is on.
     pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
         let (material, placement) = self.side(placement, gather.surface.wi);

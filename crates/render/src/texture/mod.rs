@@ -149,6 +149,12 @@ impl ColorSource {
         }
     }
 
+    /// Whether the colour is the same everywhere.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Constant(_))
+    }
+
     /// The mean colour over the unit square of `uv`.
     #[must_use]
     pub fn mean(&self, textures: Textures<'_>) -> Spectrum {
@@ -177,6 +183,12 @@ impl ScalarSource {
             Self::Constant(value) => value,
             Self::Texture(id) => textures.eval_scalar(id, surface),
         }
+    }
+
+    /// Whether the scalar is the same everywhere.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Constant(_))
     }
 
     /// The mean over the unit square of `uv`.

@@ -2,7 +2,7 @@
 //! hemisphere; Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th edition, A.5.3).
 
 use super::concentric_disk;
-use etendue_math::safe_sqrt;
+use etendue_math::lanes::{Real, Vector2, Vector3};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -10,17 +10,31 @@ use std::f32::consts::FRAC_1_PI;
 #[inline]
 #[must_use]
 pub fn sample(uniform: Vec2) -> Vec3 {
-    let disk = concentric_disk::sample(uniform);
+    sample_lanes::<f32>(uniform.into()).into()
+}
+
+/// [`sample`] over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn sample_lanes<R: Real>(uniform: Vector2<R>) -> Vector3<R> {
+    let disk = concentric_disk::sample_lanes(uniform);
     // A direction in the horizon has no density; rounding must not yield one.
-    let z = safe_sqrt(1.0 - disk.length_squared()).max(1e-6);
-    disk.extend(z)
+    let z = (-disk.length_squared() + 1.0).safe_sqrt();
+    disk.extend(z.max(z.like(1e-6)))
 }
 
 /// The density per solid angle: cosθ/π above the horizon.
 #[inline]
 #[must_use]
 pub fn pdf(direction: Vec3) -> f32 {
-    FRAC_1_PI * direction.z.max(0.0)
+    pdf_lanes::<f32>(direction.into())
+}
+
+/// [`pdf`] over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn pdf_lanes<R: Real>(direction: Vector3<R>) -> R {
+    direction.z.max(direction.z.zero()) * FRAC_1_PI
 }
 
 /// The uniform numbers behind a direction above the horizon.

@@ -1,0 +1,390 @@
+//! Closures of several paths at once.
+//!
+//! The materials that nearly all surfaces have are written over any [`Real`]: [`LaneClosure`] is their
+//! mathematics, which a hit alone uses as well. [`ClosureLanes`] holds the closures of up to
+//! [`MAX_LANES`](etendue_math::lanes::MAX_LANES) hits whose materials are of one [`LaneKind`].
+
+use super::diffuse::DiffuseClosure;
+use super::{BsdfSample, Lobe, Material, Materials, Transport};
+use crate::ids::MaterialId;
+use crate::interaction::SurfaceInteraction;
+use crate::texture::Textures;
+use etendue_math::Frame;
+use etendue_math::lanes::{LaneArray, LaneMask, Lanes, Real, Simd, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
+use glam::{Vec2, Vec3};
+
+/// Directions that closures chose; see [`BsdfSample`]. Lanes that do not exist hold anything.
+#[derive(Clone, Copy)]
+pub struct SampleLanes<R: Real> {
+    /// Where the paths go on, in the local frame.
+    pub wo: Vector3<R>,
+    /// f(wi, wo)·|cos θo| divided by `pdf`.
+    pub weight: SpectrumLanes<R>,
+    /// The density in solid angle; where the sample is not smooth, the lobe's probability.
+    pub pdf: R,
+    /// The index of refraction on the side of `wo` over that on the side of `wi`.
+    pub eta: R,
+    /// Whether there is a sample at all: where not, it counts as one of weight zero.
+    pub exists: R::Mask,
+    /// Whether the direction has a density in solid angle; see [`Lobe::is_smooth`].
+    pub smooth: R::Mask,
+    /// Whether the path goes straight on, as if no surface were there ([`Lobe::Null`]).
+    pub straight: R::Mask,
+}
+
+impl<R: Real> SampleLanes<R> {
+    /// No sample in any lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn none(wi: Vector3<R>) -> Self {
+        let (zero, never) = (wi.z.zero(), wi.z.lt(wi.z));
+        Self {
+            wo: wi,
+            weight: SpectrumLanes::grey(zero),
+            pdf: zero,
+            eta: zero + 1.0,
+            exists: never,
+            smooth: never,
+            straight: never,
+        }
+    }
+
+    /// As [`none`](Self::none), but smooth should it exist.
+    #[inline(always)]
+    pub(super) fn smooth(wi: Vector3<R>) -> Self {
+        let none = Self::none(wi);
+        Self { smooth: !none.smooth, ..none }
+    }
+}
+
+/// The mathematics of a closure over any [`Real`]; the contract is that of [`super::Closure`].
+pub(super) trait LaneClosure<R: Real> {
+    /// See [`super::Closure::eval_pdf`].
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        transport: Transport,
+    ) -> (SpectrumLanes<R>, R);
+
+    /// See [`super::Closure::sample`].
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        lobe: R,
+        direction: Vector2<R>,
+        transport: Transport,
+    ) -> SampleLanes<R>;
+}
+
+/// [`LaneClosure::eval_pdf_lanes`] for one path.
+#[inline(always)]
+pub(super) fn eval_pdf_alone(
+    closure: &impl LaneClosure<f32>,
+    wi: Vec3,
+    wo: Vec3,
+    transport: Transport,
+) -> (Spectrum, f32) {
+    let (value, pdf) = closure.eval_pdf_lanes(wi.into(), wo.into(), transport);
+    (value.into(), pdf)
+}
+
+/// [`LaneClosure::sample_lanes`] for one path.
+#[inline(always)]
+pub(super) fn sample_alone(
+    closure: &impl LaneClosure<f32>,
+    wi: Vec3,
+    lobe: f32,
+    direction: Vec2,
+    transport: Transport,
+) -> Option<BsdfSample> {
+    let sample = closure.sample_lanes(wi.into(), lobe, direction.into(), transport);
+    let lobe = match (sample.smooth, sample.straight) {
+        (true, _) => Lobe::Smooth,
+        (false, true) => Lobe::Null,
+        (false, false) => Lobe::Delta,
+    };
+    sample.exists.then(|| BsdfSample {
+        wo: sample.wo.into(),
+        weight: sample.weight.into(),
+        pdf: sample.pdf,
+        eta: sample.eta,
+        lobe,
+    })
+}
+
+/// The kinds of closures that lanes can hold. Within a kind there are no branches on parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LaneKind {
+    /// Lambertian reflection.
+    Diffuse,
+}
+
+impl LaneKind {
+    /// All kinds, each at its [`index`](Self::index).
+    pub const ALL: [Self; 1] = [Self::Diffuse];
+
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+
+    /// The place among all kinds.
+    #[inline(always)]
+    #[must_use]
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Whether any lobe is smooth, so that next-event estimation can find light.
+    #[inline(always)]
+    #[must_use]
+    pub fn has_smooth_lobe(self) -> bool {
+        match self {
+            Self::Diffuse => true,
+        }
+    }
+
+    /// How many numbers a closure consists of.
+    #[inline(always)]
+    fn columns(self) -> usize {
+        match self {
+            Self::Diffuse => 3,
+        }
+    }
+}
+
+/// The most numbers that a closure consists of.
+const COLUMNS: usize = 12;
+
+/// What lanes know of a material, whatever the hit.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneMaterial {
+    kind: Option<LaneKind>,
+    /// The material itself, or the one that `twosided` puts on both sides.
+    leaf: MaterialId,
+    is_two_sided: bool,
+    /// The numbers of its closure where they are the same everywhere.
+    uniform: Option<[f32; COLUMNS]>,
+}
+
+impl LaneMaterial {
+    /// Looks at all materials of a scene.
+    pub(crate) fn of_all(materials: &[Material]) -> Vec<Self> {
+        let ids = 0..materials.len() as u32;
+        ids.map(|index| Self::of(materials, MaterialId(index))).collect()
+    }
+
+    fn of(materials: &[Material], id: MaterialId) -> Self {
+        let (leaf, is_two_sided) = match &materials[id.index()] {
+            Material::TwoSided(sides) => (sides.both().unwrap_or(id), true),
+            _ => (id, false),
+        };
+        let material = &materials[leaf.index()];
+        let uniform = is_uniform(material).then(|| {
+            let frame = Frame::from_normal(Vec3::Z);
+            // No texture is read, so any place will do.
+            let anywhere = SurfaceInteraction::at_uv(Vec2::ZERO, frame);
+            let mut numbers = [0.0; COLUMNS];
+            visit(material, Textures(&[]), &anywhere, |column, number| numbers[column] = number);
+            numbers
+        });
+        Self { kind: kind(material), leaf, is_two_sided, uniform }
+    }
+}
+
+/// The kind of a material's closures; `None` where lanes cannot hold them.
+fn kind(material: &Material) -> Option<LaneKind> {
+    match material {
+        Material::Diffuse(_) => Some(LaneKind::Diffuse),
+        _ => None,
+    }
+}
+
+/// Whether a material reads no textures; not for those that lanes cannot hold.
+fn is_uniform(material: &Material) -> bool {
+    match material {
+        Material::Diffuse(material) => material.is_uniform(),
+        _ => false,
+    }
+}
+
+/// Resolves a material at a hit and shows each number of its closure with its column.
+#[inline(always)]
+fn visit(
+    material: &Material,
+    textures: Textures<'_>,
+    surface: &SurfaceInteraction,
+    mut show: impl FnMut(usize, f32),
+) {
+    let mut column = 0;
+    let mut show = |number: f32| {
+        show(column, number);
+        column += 1;
+        number
+    };
+    match material {
+        Material::Diffuse(material) => {
+            material.resolve(textures, surface).map(&mut show);
+        }
+        _ => {}
+    }
+}
+
+impl Materials<'_> {
+    /// The kind of closure that a material is, or has on both its sides; `None` where lanes cannot
+    /// hold it.
+    #[inline(always)]
+    #[must_use]
+    pub fn lane_kind(&self, id: MaterialId) -> Option<LaneKind> {
+        self.lanes[id.index()].kind
+    }
+
+    /// Whether a material that lanes can hold is the same from both sides.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_two_sided(&self, id: MaterialId) -> bool {
+        self.lanes[id.index()].is_two_sided
+    }
+
+    /// Whether a material that lanes can hold is the same everywhere: it has no textures.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_uniform(&self, id: MaterialId) -> bool {
+        self.lanes[id.index()].uniform.is_some()
+    }
+}
+
+/// The closures of up to [`MAX_LANES`](etendue_math::lanes::MAX_LANES) hits, all of one kind. Directions are in the shading frames of
+/// the hits; what `twosided` does is done here. Light is carried as [`Transport::Radiance`].
+///
+/// Lanes that were never set hold closures all of whose numbers are zero.
+#[derive(Clone, Debug)]
+pub struct ClosureLanes {
+    kind: LaneKind,
+    /// A bit for each lane whose material is the same from both sides.
+    two_sided: u32,
+    columns: [LaneArray; COLUMNS],
+}
+
+/// A closure in as many lanes as the machine has, loaded from the columns of `$lanes`.
+macro_rules! with_closure {
+    ($lanes:expr, $simd:expr, $first:expr, $closure:ident => $work:expr) => {{
+        let mut columns = $lanes.columns.iter();
+        let mut next = |blank: f32| match columns.next() {
+            Some(column) => Lanes::load($simd, column, $first),
+            None => Lanes::splat($simd, blank),
+        };
+        match $lanes.kind {
+            LaneKind::Diffuse => {
+                let $closure = DiffuseClosure::default().map(&mut next);
+                $work
+            }
+        }
+    }};
+}
+
+impl ClosureLanes {
+    /// No closures yet.
+    #[must_use]
+    pub fn new(kind: LaneKind) -> Self {
+        Self { kind, two_sided: 0, columns: [LaneArray::ZERO; COLUMNS] }
+    }
+
+    /// Begins anew with another kind. Lanes that are not set from now on hold anything.
+    #[inline(always)]
+    pub fn restart(&mut self, kind: LaneKind) {
+        self.kind = kind;
+        self.two_sided = 0;
+    }
+
+    /// Resolves a material of this kind at a hit into a lane.
+    #[inline]
+    pub fn set(
+        &mut self,
+        lane: usize,
+        materials: Materials<'_>,
+        id: MaterialId,
+        textures: Textures<'_>,
+        surface: &SurfaceInteraction,
+    ) {
+        let leaf = self.place(lane, materials, id).leaf;
+        let material = &materials.materials[leaf.index()];
+        visit(material, textures, surface, |column, number| self.columns[column].0[lane] = number);
+    }
+
+    /// Puts a material of this kind that [is the same everywhere](Materials::is_uniform) into a lane.
+    #[inline]
+    pub fn set_uniform(&mut self, lane: usize, materials: Materials<'_>, id: MaterialId) {
+        let Some(numbers) = &self.place(lane, materials, id).uniform else { return };
+        let columns = &mut self.columns[..self.kind.columns()];
+        for (column, &number) in columns.iter_mut().zip(numbers) {
+            column.0[lane] = number;
+        }
+    }
+
+    #[inline(always)]
+    fn place<'a>(
+        &mut self,
+        lane: usize,
+        materials: Materials<'a>,
+        id: MaterialId,
+    ) -> &'a LaneMaterial {
+        let material = &materials.lanes[id.index()];
+        self.two_sided |= u32::from(material.is_two_sided) << lane;
+        material
+    }
+
+    /// f(wi, wo)·|cos θo| and the densities of `wo` in solid angle, in the lanes from `first` on.
+    #[inline(always)]
+    #[must_use]
+    pub fn eval_pdf<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        wi: Vector3<Lanes<S>>,
+        wo: Vector3<Lanes<S>>,
+    ) -> (SpectrumLanes<Lanes<S>>, Lanes<S>) {
+        let side = self.side(simd, first, wi);
+        let (wi, wo) = (turned(wi, side), turned(wo, side));
+        with_closure!(self, simd, first, closure => {
+            closure.eval_pdf_lanes(wi, wo, Transport::Radiance)
+        })
+    }
+
+    /// Chooses `wo` given `wi`, in the lanes from `first` on. `lobe` and `direction` are uniform in
+    /// [0, 1).
+    #[inline(always)]
+    #[must_use]
+    pub fn sample<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        wi: Vector3<Lanes<S>>,
+        lobe: Lanes<S>,
+        direction: Vector2<Lanes<S>>,
+    ) -> SampleLanes<Lanes<S>> {
+        let side = self.side(simd, first, wi);
+        let wi = turned(wi, side);
+        let sample = with_closure!(self, simd, first, closure => {
+            closure.sample_lanes(wi, lobe, direction, Transport::Radiance)
+        });
+        SampleLanes { wo: turned(sample.wo, side), ..sample }
+    }
+
+    /// −1 in lanes that look at the back of a material that is the same from both sides, else 1.
+    #[inline(always)]
+    fn side<S: Simd>(&self, simd: S, first: usize, wi: Vector3<Lanes<S>>) -> Lanes<S> {
+        let one = Lanes::splat(simd, 1.0);
+        let is_back = LaneMask::from_bits(simd, self.two_sided >> first) & wi.z.below(0.0);
+        Lanes::select(is_back, -one, one)
+    }
+}
+
+/// A direction seen from the other side where `side` is −1.
+#[inline(always)]
+fn turned<R: Real>(v: Vector3<R>, side: R) -> Vector3<R> {
+    Vector3::new(v.x, v.y, v.z * side)
+}
+
+#[cfg(test)]
+mod tests;

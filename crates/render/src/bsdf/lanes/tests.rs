@@ -1,0 +1,206 @@
+//! Lanes against hits alone, bit by bit, with every set of instructions of this machine.
+
+use super::*;
+use crate::bsdf::testing::{TestMaterial, surface};
+use etendue_math::lanes::{Level, MAX_LANES, Mask as _, baseline};
+use etendue_math::with_lanes;
+use etendue_testkit::TestRng;
+
+/// Materials of every kind, with parameters that differ from lane to lane, and at their limits.
+#[rustfmt::skip]
+const MATERIALS: &[&[&str]] = &[
+    &[
+        r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.5, 0.8"/></bsdf>"#,
+        r#"<bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="diffuse"><texture name="reflectance" type="checkerboard"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>"#,
+    ],
+];
+
+/// What lanes cannot hold.
+const OTHERS: &[&str] = &[
+    r#"<bsdf type="null"/>"#,
+    r#"<bsdf type="mask"><bsdf type="diffuse"/></bsdf>"#,
+    r#"<bsdf type="bumpmap"><texture type="checkerboard"/><bsdf type="diffuse"/></bsdf>"#,
+    r#"<bsdf type="twosided"><bsdf type="diffuse"/><bsdf type="plastic"/></bsdf>"#,
+    r#"<bsdf type="twosided"><bsdf type="diffuse"/><bsdf type="diffuse"/></bsdf>"#,
+    r#"<bsdf type="twosided"><bsdf type="blendbsdf"><bsdf type="diffuse"/><bsdf type="diffuse"/></bsdf></bsdf>"#,
+];
+
+fn levels() -> Vec<Level> {
+    let best = Level::new();
+    let mut levels = vec![baseline(), best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(best.as_avx2().map(Simd::level));
+    levels
+}
+
+/// The directions and numbers of as many paths as there are lanes.
+struct Paths {
+    wi: [Vec3; MAX_LANES],
+    wo: [Vec3; MAX_LANES],
+    lobe: [f32; MAX_LANES],
+    direction: [Vec2; MAX_LANES],
+}
+
+impl Paths {
+    fn random(random: &mut TestRng) -> Self {
+        Self {
+            wi: std::array::from_fn(|_| direction(random)),
+            wo: std::array::from_fn(|_| direction(random)),
+            lobe: std::array::from_fn(|_| random.next_f32()),
+            direction: std::array::from_fn(|_| random.next_vec2()),
+        }
+    }
+}
+
+/// Any direction, with those along the axes and the surface often among them.
+fn direction(random: &mut TestRng) -> Vec3 {
+    let any = random.unit_vector();
+    match (random.next_f32() * 20.0) as u32 {
+        0 => Vec3::Z,
+        1 => -Vec3::Z,
+        2 => any.with_z(0.0).normalize_or(Vec3::X),
+        3 => any.with_z(1e-6).normalize(),
+        4 => any.with_z(-1e-20).normalize(),
+        5 => (Vec3::Z + any * 1e-4).normalize(),
+        _ => any,
+    }
+}
+
+/// What lanes give, lane by lane.
+struct Answers {
+    eval: [(Spectrum, f32); MAX_LANES],
+    sample: [Option<BsdfSample>; MAX_LANES],
+}
+
+#[inline(always)]
+fn answer<S: Simd>(simd: S, closures: &ClosureLanes, paths: &Paths) -> Answers {
+    let mut answers =
+        Answers { eval: [(Spectrum::ZERO, 0.0); MAX_LANES], sample: [None; MAX_LANES] };
+    for first in (0..MAX_LANES).step_by(Lanes::<S>::COUNT) {
+        let load = |of: &dyn Fn(usize) -> f32| Lanes::from_fn(simd, |lane| of(first + lane));
+        let vector = |of: &[Vec3; MAX_LANES]| {
+            Vector3::new(
+                load(&|lane| of[lane].x),
+                load(&|lane| of[lane].y),
+                load(&|lane| of[lane].z),
+            )
+        };
+        let (wi, wo) = (vector(&paths.wi), vector(&paths.wo));
+        let lobe = load(&|lane| paths.lobe[lane]);
+        let direction = Vector2::new(
+            load(&|lane| paths.direction[lane].x),
+            load(&|lane| paths.direction[lane].y),
+        );
+        let (value, pdf) = closures.eval_pdf(simd, first, wi, wo);
+        let sample = closures.sample(simd, first, wi, lobe, direction);
+        for lane in 0..Lanes::<S>::COUNT {
+            let has = |mask: LaneMask<S>| mask.bits() >> lane & 1 == 1;
+            let lobe = match (has(sample.smooth), has(sample.straight)) {
+                (true, _) => Lobe::Smooth,
+                (false, true) => Lobe::Null,
+                (false, false) => Lobe::Delta,
+            };
+            answers.eval[first + lane] = (spectrum(value, lane), pdf.lane(lane));
+            answers.sample[first + lane] = has(sample.exists).then(|| BsdfSample {
+                wo: sample.wo.lane(lane),
+                weight: spectrum(sample.weight, lane),
+                pdf: sample.pdf.lane(lane),
+                eta: sample.eta.lane(lane),
+                lobe,
+            });
+        }
+    }
+    answers
+}
+
+fn spectrum<S: Simd>(spectra: SpectrumLanes<Lanes<S>>, lane: usize) -> Spectrum {
+    spectra.convert(|component| component.lane(lane)).into()
+}
+
+/// The materials of one kind as one scene would have them, and where they hit.
+struct Lane<'a> {
+    material: &'a TestMaterial,
+    surface: SurfaceInteraction,
+}
+
+fn fill<'a>(closures: &mut ClosureLanes, lanes: &[Lane<'a>]) {
+    for (lane, Lane { material, surface }) in lanes.iter().enumerate() {
+        let (materials, id) = (material.materials(), material.root);
+        if materials.is_uniform(id) {
+            closures.set_uniform(lane, materials, id);
+        } else {
+            closures.set(lane, materials, id, Textures(&material.textures), surface);
+        }
+    }
+}
+
+#[test]
+fn lanes_give_the_bits_of_hits_alone() {
+    let mut random = TestRng::new(11);
+    for kind_materials in MATERIALS {
+        let materials: Vec<_> = kind_materials.iter().map(|xml| TestMaterial::read(xml)).collect();
+        let kind = materials[0].materials().lane_kind(materials[0].root).expect("a kind");
+        for _ in 0..500 {
+            let paths = Paths::random(&mut random);
+            let lanes = paths.wi.map(|wi| {
+                let index = (random.next_f32() * materials.len() as f32) as usize;
+                let material = &materials[index];
+                let uv = random.next_vec2() * 3.0;
+                Lane { material, surface: SurfaceInteraction { uv, ..surface(wi) } }
+            });
+            let mut closures = ClosureLanes::new(kind);
+            fill(&mut closures, &lanes);
+            for level in levels() {
+                let answers = with_lanes!(level, simd => answer(simd, &closures, &paths));
+                for (index, lane) in lanes.iter().enumerate() {
+                    assert_alone(&answers, index, lane, &paths, kind);
+                }
+            }
+        }
+    }
+}
+
+/// Asserts that a lane holds what its hit has alone.
+#[track_caller]
+fn assert_alone(answers: &Answers, index: usize, lane: &Lane<'_>, paths: &Paths, kind: LaneKind) {
+    let bsdf = lane.material.bsdf_at(&lane.surface);
+    let (wi, wo) = (paths.wi[index], paths.wo[index]);
+    let eval = bsdf.eval_pdf(wi, wo, Transport::Radiance);
+    let (lobe, direction) = (paths.lobe[index], paths.direction[index]);
+    let sample = bsdf.sample(wi, lobe, direction, Transport::Radiance);
+    let bits = |(value, pdf): (Spectrum, f32)| (value.rgb().map(f32::to_bits), pdf.to_bits());
+    let sample_bits = |sample: Option<BsdfSample>| {
+        sample.map(|sample| {
+            let wo = sample.wo.to_array().map(f32::to_bits);
+            (wo, bits((sample.weight, sample.pdf)), sample.eta.to_bits(), sample.lobe)
+        })
+    };
+    let (in_lanes, sampled) = (answers.eval[index], answers.sample[index]);
+    assert_eq!(bits(in_lanes), bits(eval), "{kind:?} {wi} {wo}: {in_lanes:?} {eval:?}");
+    assert_eq!(sample_bits(sampled), sample_bits(sample), "{kind:?} {wi}: {sampled:?} {sample:?}");
+}
+
+#[test]
+fn kinds_are_told_apart() {
+    let mut found = Vec::new();
+    for kind_materials in MATERIALS {
+        let kinds = kind_materials.iter().map(|xml| {
+            let material = TestMaterial::read(xml);
+            let (materials, id) = (material.materials(), material.root);
+            assert_eq!(materials.is_two_sided(id), xml.contains("twosided"), "{xml}");
+            assert_eq!(materials.is_uniform(id), !xml.contains("texture"), "{xml}");
+            materials.lane_kind(id).expect("a kind")
+        });
+        let kinds: Vec<_> = kinds.collect();
+        assert!(kinds.iter().all(|kind| *kind == kinds[0]), "{kinds:?}");
+        found.push(kinds[0]);
+    }
+    assert_eq!(found, LaneKind::ALL);
+    assert!(LaneKind::ALL.iter().enumerate().all(|(index, kind)| kind.index() == index));
+    for xml in OTHERS {
+        let material = TestMaterial::read(xml);
+        assert_eq!(material.materials().lane_kind(material.root), None, "{xml}");
+    }
+}
