@@ -137,6 +137,12 @@ impl Wide {
         if children == [binary] {
             children = vec![binary + 1, binary + tree[binary].right as usize];
         }
+        // A ray that any hit will do for takes the last first: blocks, which end it soonest, and what
+        // is large.
+        children.sort_by_key(|&child| {
+            let node = &tree[child];
+            (is_leaf(node), node.bounds().half_area().to_bits())
+        });
         for (slot, &child) in children.iter().enumerate() {
             let node = &tree[child];
             let word = if is_leaf(node) {

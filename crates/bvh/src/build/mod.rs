@@ -1,10 +1,14 @@
 //! From geometries to a hierarchy: references, a binary tree, wide nodes.
 
 mod binned;
+mod bins;
 mod collapse;
+mod extent;
 mod kernel;
 mod presplit;
 mod reference;
+mod reinsert;
+mod top;
 
 use self::binned::BinaryNode;
 use crate::bvh::Bvh;
@@ -17,7 +21,10 @@ use crate::options::BuildOptions;
 use etendue_math::Bounds3;
 
 /// The binary tree is split by cost down to this depth, and in halves below it.
-const MAX_COST_DEPTH: usize = 40;
+const MAX_COST_DEPTH: usize = 48;
+
+/// No part of the top is further from the root (see `top`), which leaves many splits by cost.
+const MAX_TOP_DEPTH: usize = 28;
 
 /// No tree is deeper: below [`MAX_COST_DEPTH`] every level halves the at most 2³¹ references.
 pub(crate) const MAX_DEPTH: usize = MAX_COST_DEPTH + 32;
@@ -33,12 +40,12 @@ pub(crate) fn build(
     if references.len().max(split.len()) >= Child::MAX_BLOCKS {
         return Err(BuildError::TooManyPrimitives);
     }
-    let (mut tree, cost) = binned::build(&mut references, options);
+    let (mut tree, cost) = top::build(&mut references, options);
     // Splits help some scenes and harm others: in rooms with large slanted walls the pieces swell
     // so many nodes that rays took a third longer. The heuristic can tell beforehand.
     if !split.is_empty() {
         let mut split = split;
-        let (split_tree, split_cost) = binned::build(&mut split, options);
+        let (split_tree, split_cost) = top::build(&mut split, options);
         if split_cost < cost {
             (references, tree) = (split, split_tree);
         }

@@ -1,0 +1,167 @@
+//! Bins along the axes, and the best plane between them.
+
+use super::extent::{Box4, Extent};
+use super::reference::Reference;
+use crate::node::WIDTH;
+use glam::Vec4;
+use std::ops::Range;
+
+pub(super) const MAX_BINS: usize = 16;
+
+/// How centres are sorted into bins.
+#[derive(Clone, Copy)]
+pub(super) struct Binning {
+    pub(super) origin: Vec4,
+    pub(super) scale: Vec4,
+}
+
+/// Adding this to a small number that is not negative rounds it into the lowest bits: much quicker
+/// than a conversion, which in Rust saturates.
+const TO_LOW_BITS: f32 = 8_388_608.0;
+
+impl Binning {
+    /// For `count` bins on each axis.
+    pub(super) fn new(extent: &Extent, count: usize) -> Self {
+        let size = extent.centers.extent();
+        let scale = Vec4::splat(count as f32 - 1.0) / size;
+        // An axis on which the centres agree, or are so near or far that it overflows, is flat.
+        let usable = size.cmpgt(Vec4::ZERO) & scale.cmplt(Vec4::splat(f32::MAX));
+        Self { origin: extent.centers.min, scale: Vec4::select(usable, scale, Vec4::ZERO) }
+    }
+
+    /// Three numbers whose lowest bits, as many as [`MAX_BINS`] needs, are the bins of a centre.
+    #[inline(always)]
+    pub(super) fn place(&self, center: Vec4) -> Vec4 {
+        (center - self.origin) * self.scale + Vec4::splat(TO_LOW_BITS)
+    }
+
+    #[inline(always)]
+    pub(super) fn bins(&self, reference: &Reference) -> [usize; 3] {
+        let place = self.place(reference.center());
+        [place.x, place.y, place.z].map(|place| place.to_bits() as usize & (MAX_BINS - 1))
+    }
+}
+
+/// References go left if their place on the axis is below the limit.
+pub(super) struct Plane {
+    pub(super) binning: Binning,
+    pub(super) axis: usize,
+    pub(super) limit: f32,
+}
+
+/// A plane and the boxes of its two sides.
+pub(super) struct Split {
+    pub(super) plane: Plane,
+    pub(super) bounds: [Box4; 2],
+}
+
+/// What fell into each bin of each axis.
+pub(super) struct Bins {
+    count: usize,
+    pub(super) boxes: [[Box4; MAX_BINS]; 3],
+    pub(super) counts: [[u32; MAX_BINS]; 3],
+}
+
+impl Bins {
+    /// `count` empty bins on each axis.
+    #[inline(always)]
+    pub(super) fn new(count: usize) -> Self {
+        let unused = Box4 { min: Vec4::ZERO, negated_max: Vec4::ZERO };
+        let mut bins = Self { count, boxes: [[unused; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+        for boxes in &mut bins.boxes {
+            boxes[..count].fill(Box4::EMPTY);
+        }
+        bins
+    }
+
+    /// As many empty bins.
+    #[inline(always)]
+    pub(super) fn new_like(&self) -> Self {
+        Self::new(self.count)
+    }
+
+    /// Takes over what fell into others.
+    #[inline(always)]
+    pub(super) fn merge(&mut self, others: &Self) {
+        for axis in 0..3 {
+            for bin in 0..self.count {
+                self.boxes[axis][bin].grow(&others.boxes[axis][bin]);
+                self.counts[axis][bin] += others.counts[axis][bin];
+            }
+        }
+    }
+
+    /// The cheapest of the planes between bins, if any parts the centres.
+    #[inline(always)]
+    pub(super) fn best_split(&self, binning: &Binning) -> Option<Split> {
+        let mut best = None;
+        let mut least = f32::INFINITY;
+        for axis in 0..3 {
+            if binning.scale[axis] == 0.0 {
+                continue;
+            }
+            let (first_right, cost) = self.best_plane(axis);
+            if cost < least {
+                least = cost;
+                best = Some((axis, first_right));
+            }
+        }
+        let (axis, first_right) = best?;
+        let limit = TO_LOW_BITS + first_right as f32;
+        let plane = Plane { binning: *binning, axis, limit };
+        let bounds =
+            [self.bounds(axis, 0..first_right), self.bounds(axis, first_right..self.count)];
+        Some(Split { plane, bounds })
+    }
+
+    /// The box of everything in some bins.
+    #[inline(always)]
+    fn bounds(&self, axis: usize, bins: Range<usize>) -> Box4 {
+        let mut bounds = Box4::EMPTY;
+        self.boxes[axis][bins].iter().for_each(|bin| bounds.grow(bin));
+        bounds
+    }
+
+    /// The first bin of the right side, and the cost; infinite if no plane parts the references.
+    #[inline(always)]
+    fn best_plane(&self, axis: usize) -> (usize, f32) {
+        let count = self.count;
+        let mut right_costs = [f32::INFINITY; MAX_BINS];
+        let (mut bounds, mut total) = (Box4::EMPTY, 0);
+        for bin in (1..count).rev() {
+            let of_bin = &self.boxes[axis][bin];
+            bounds.grow(of_bin);
+            total += self.counts[axis][bin];
+            if total > 0 {
+                right_costs[bin] = bounds.half_area() * weight(total);
+            }
+        }
+        let mut best = (0, f32::INFINITY);
+        let (mut bounds, mut total) = (Box4::EMPTY, 0);
+        for (plane, &right_cost) in right_costs.iter().enumerate().take(count).skip(1) {
+            let of_bin = &self.boxes[axis][plane - 1];
+            bounds.grow(of_bin);
+            total += self.counts[axis][plane - 1];
+            if total > 0 {
+                let cost = bounds.half_area() * weight(total) + right_cost;
+                if cost < best.1 {
+                    best = (plane, cost);
+                }
+            }
+        }
+        best
+    }
+}
+
+/// What a number of references weighs in the cost of a split: three parts what whole blocks would
+/// take them, and one part their number.
+///
+/// By their number alone, blocks were filled less (5.9 of 8 in a room of a million triangles), the
+/// build took a fifteenth longer, and the tree a sixth more memory. By blocks alone, nothing speaks
+/// for the better of two splits into as many blocks, and shadow rays were a tenth slower. A constant
+/// beside the number makes rays slower, too.
+#[inline(always)]
+fn weight(references: u32) -> f32 {
+    const BLOCK: u32 = WIDTH as u32;
+    (references.next_multiple_of(BLOCK) * 3 + references) as f32
+}

@@ -1,0 +1,69 @@
+//! Boxes in SIMD registers.
+
+use super::reference::Reference;
+use glam::Vec4;
+
+/// A box in SIMD registers, its greatest corner negated so that both corners grow by the lesser;
+/// the fourth components mean nothing.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+pub(super) struct Box4 {
+    pub(super) min: Vec4,
+    pub(super) negated_max: Vec4,
+}
+
+impl Box4 {
+    pub(super) const EMPTY: Self =
+        Self { min: Vec4::splat(f32::INFINITY), negated_max: Vec4::splat(f32::INFINITY) };
+
+    #[inline(always)]
+    pub(super) fn of(reference: &Reference) -> Self {
+        Self { min: reference.min, negated_max: -reference.max }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_point(point: Vec4) -> Self {
+        Self { min: point, negated_max: -point }
+    }
+
+    #[inline(always)]
+    pub(super) fn grow(&mut self, other: &Self) {
+        self.min = self.min.min(other.min);
+        self.negated_max = self.negated_max.min(other.negated_max);
+    }
+
+    /// The lengths of the sides.
+    #[inline(always)]
+    pub(super) fn extent(&self) -> Vec4 {
+        -(self.negated_max + self.min)
+    }
+
+    #[inline(always)]
+    pub(super) fn half_area(&self) -> f32 {
+        let extent = self.extent();
+        extent.x * (extent.y + extent.z) + extent.y * extent.z
+    }
+}
+
+/// The boxes of a range of references and of their centres.
+#[derive(Clone, Copy)]
+pub(super) struct Extent {
+    pub(super) bounds: Box4,
+    pub(super) centers: Box4,
+}
+
+impl Extent {
+    const EMPTY: Self = Self { bounds: Box4::EMPTY, centers: Box4::EMPTY };
+
+    #[inline(always)]
+    fn add(&mut self, reference: &Reference) {
+        self.bounds.grow(&Box4::of(reference));
+        self.centers.grow(&Box4::of_point(reference.center()));
+    }
+
+    pub(super) fn of(references: &[Reference]) -> Self {
+        let mut extent = Self::EMPTY;
+        references.iter().for_each(|reference| extent.add(reference));
+        extent
+    }
+}
