@@ -186,7 +186,7 @@ impl Tile {
 
 /// How many samples are asked for at once: enough for the source to overlap their work, few enough
 /// that what it keeps of them stays in the nearest caches. From 64 to 256 there is no difference.
-const BATCH_SIZE: usize = 64;
+const BATCH_SIZE: usize = 256;
 
 /// Samples that are taken together.
 struct Batch {

@@ -3,6 +3,7 @@
 
 use crate::Radiance;
 use etendue_math::Ray;
+use etendue_math::lanes::Real;
 use etendue_render::bsdf::{Bsdf, Transport};
 use etendue_render::emitter::DirectionSample;
 use etendue_render::{Hit, Scene, SurfaceInteraction};
@@ -14,11 +15,12 @@ use glam::{Vec2, Vec3};
 /// the power heuristic with exponent two).
 #[inline(always)]
 #[must_use]
-pub(crate) fn power_heuristic(pdf: f32, other: f32) -> f32 {
+pub(crate) fn power_heuristic<R: Real>(pdf: R, other: R) -> R {
     let squared = pdf * pdf;
     let sum = squared + other * other;
     // Squares overflow beyond 1e19, where the larger density alone decides.
-    if sum.is_finite() { squared / sum } else { f32::from(u8::from(pdf > other)) }
+    let greater = R::select(pdf.gt(other), pdf.like(1.0), pdf.zero());
+    R::select(sum.is_finite(), squared / sum, greater)
 }
 
 /// A vertex that chose a direction: what the emission found there is weighed against.

@@ -1,6 +1,7 @@
 //! Thin sheets that let light straight through.
 
 use etendue_render::{ShapeId, SurfaceInteraction};
+use glam::Vec3;
 
 /// A surface that lets light straight through: its back face, if it has one close by, is part of it.
 ///
@@ -15,10 +16,10 @@ pub(crate) struct Sheet {
 }
 
 impl Sheet {
-    /// The sheet that a surface belongs to.
-    pub(crate) fn at(surface: &SurfaceInteraction) -> Self {
-        let thickness = (1.0 + surface.point.abs().max_element()) * 1500.0 * (0.5 * f32::EPSILON);
-        Self { shape: surface.shape, thickness }
+    /// The sheet that a point of a shape belongs to.
+    pub(crate) fn new(shape: ShapeId, point: Vec3) -> Self {
+        let thickness = (1.0 + point.abs().max_element()) * 1500.0 * (0.5 * f32::EPSILON);
+        Self { shape, thickness }
     }
 
     /// Whether the sheet's other face is met within the thickness that is left, which shrinks.

@@ -210,7 +210,7 @@ impl VolumePath {
         let bsdf = scene.prepare_bsdf(&surface);
         let (share, probability) = bsdf.straight(surface.wi);
         if probability == 1.0 {
-            path.sheet = Some(Sheet::at(&surface));
+            path.sheet = Some(Sheet::new(surface.shape, surface.point));
             path.weights.throughput *= share;
             path.traveller.leave(scene, &surface, path.traveller.ray.direction);
             return !path.weights.throughput.is_black();
@@ -238,7 +238,7 @@ impl VolumePath {
         };
         path.traveller.leave(scene, surface, surface.to_world(wo));
         if lobe == Lobe::Null {
-            path.sheet = Some(Sheet::at(surface));
+            path.sheet = Some(Sheet::new(surface.shape, surface.point));
             return path.weights.pass(weight, pdf);
         }
         path.alpha = 1.0;

@@ -66,15 +66,19 @@ pub fn offset_origin_lanes<R: Real>(
     let distance = R::select(direction.dot(normal).lt(zero), -distance, distance);
     let offset = normal * distance;
     let moved = point + offset;
-    let round_outwards = |coordinate: R, offset: R| {
-        let up = R::select(offset.gt(zero), coordinate.next_up(), coordinate);
-        R::select(offset.lt(zero), coordinate.next_down(), up)
-    };
     Vector3::new(
         round_outwards(moved.x, offset.x),
         round_outwards(moved.y, offset.y),
         round_outwards(moved.z, offset.z),
     )
+}
+
+/// The next number in the direction of `offset`.
+#[inline(always)]
+fn round_outwards<R: Real>(coordinate: R, offset: R) -> R {
+    let zero = offset.zero();
+    let up = R::select(offset.gt(zero), coordinate.next_up(), coordinate);
+    R::select(offset.lt(zero), coordinate.next_down(), up)
 }
 
 #[cfg(test)]

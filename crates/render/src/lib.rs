@@ -31,6 +31,6 @@ pub use etendue_bvh::Hit;
 
 pub use builder::{Assets, BuildOptions, Builder, build_scene};
 pub use ids::{EmitterId, GroupId, MaterialId, MediumId, ShapeId, TextureId};
-pub use interaction::{SurfaceInteraction, SurfaceLanes};
+pub use interaction::{SurfaceBlock, SurfaceInteraction, SurfaceLanes};
 pub use manual::{Manual, ParameterManual};
 pub use scene::{EmitterChoice, Scene, SceneStatistics, SensorSetup};

@@ -1,9 +1,9 @@
 //! The frozen scene: immutable, flat, shared by all threads.
 
-use crate::bsdf::{Bsdf, LaneMaterial, Material, Materials};
+use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
 use crate::emitter::Emitter;
 use crate::film::FilmSpec;
-use crate::ids::{EmitterId, MediumId, ShapeId};
+use crate::ids::{EmitterId, MaterialId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use crate::medium::{Boundary, Medium};
 use crate::sensor::Sensor;
@@ -15,6 +15,7 @@ use etendue_bvh::{
     BuildOptions, Bvh, GeometryView, Hit, PrimitiveHit, Primitives, Tier, TriangleMeshView,
 };
 use etendue_document::{Diagnostics, Fault};
+use etendue_math::lanes::{Level, baseline};
 use etendue_math::{Bounds3, Ray};
 use etendue_sampling::{AliasTable, SamplerSpec};
 use glam::Vec2;
@@ -61,6 +62,7 @@ pub(crate) struct Parts {
 #[derive(Debug)]
 pub struct Scene {
     bvh: Bvh,
+    level: Level,
     shapes: Vec<Shape>,
     /// How many shapes, from the first, stand in the scene rather than in groups.
     top_level: usize,
@@ -146,6 +148,17 @@ pub(crate) fn build_tree(
     })
 }
 
+/// The instructions for shading that belong to those for rays.
+fn level(tier: Tier) -> Level {
+    let best = Level::new();
+    match tier {
+        Tier::Portable => baseline(),
+        #[cfg(target_arch = "x86_64")]
+        Tier::Avx2 => best.as_avx2().map_or(best, Level::Avx2),
+        _ => best,
+    }
+}
+
 /// The table of emitters; `None` where all are alike.
 fn emitter_table(weights: &[f32], diagnostics: &Diagnostics) -> Option<AliasTable> {
     if weights.windows(2).all(|pair| pair[0] == pair[1]) {
@@ -190,6 +203,7 @@ impl Scene {
         let bounds = bvh.bounds();
         sensors.iter_mut().for_each(|setup| setup.sensor.set_bounds(&bounds));
         Some(Self {
+            level: level(bvh.tier()),
             bvh,
             shapes: parts.shapes,
             top_level,
@@ -205,6 +219,13 @@ impl Scene {
             sensors,
             hash: parts.hash,
         })
+    }
+
+    /// The instructions that paths are followed with.
+    #[inline]
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
     }
 
     /// What `ray` hits first.
@@ -236,6 +257,22 @@ impl Scene {
         }
         let id = ShapeId(hit.geometry);
         self.shapes[id.index()].interaction(id, ray, hit)
+    }
+
+    /// What kind of material a hit has met, and which, if its vertex can be shaded in lanes: on a
+    /// triangle that emits no light and stands in the scene itself.
+    #[inline(always)]
+    #[must_use]
+    pub fn lane_kind(&self, hit: &Hit) -> Option<(LaneKind, MaterialId)> {
+        if hit.instance != Hit::NO_INSTANCE {
+            return None;
+        }
+        let shape = &self.shapes[hit.geometry as usize];
+        if shape.emitter.is_some() || !matches!(shape.geometry, Geometry::Mesh(_)) {
+            return None;
+        }
+        let kind = self.materials().lane_kind(shape.material)?;
+        Some((kind, shape.material))
     }
 
     #[cold]

@@ -92,7 +92,7 @@ impl Way<'_> {
         if self.sheet.as_mut().is_some_and(|sheet| sheet.holds(surface)) {
             return Some(());
         }
-        self.sheet = Some(Sheet::at(surface));
+        self.sheet = Some(Sheet::new(surface.shape, surface.point));
         let (share, pdf) = scene.prepare_bsdf(surface).straight(surface.wi);
         self.connection.transmittance *= share;
         self.connection.led *= pdf;

@@ -1,5 +1,6 @@
 //! `path`: unidirectional path tracing with next-event estimation.
 
+mod block;
 mod wave;
 
 use crate::nested::sample_alone;

@@ -1,27 +1,31 @@
 //! Paths that advance together, one vertex at a time.
 //!
 //! Each step is a loop over all paths that go on: trace the rays, look up the surfaces, propose light
-//! and choose directions, trace the shadow rays. What one path does is a long chain in which every
-//! number waits for the one before; the chains of different paths are independent, and in short loops
-//! the processor works on several at once: whole renders take a tenth less time than path by path. The
-//! results are the same. Tried and lost: resolving the materials in a loop of their own (copying the
-//! closures costs more than it gains).
+//! and choose directions, trace the shadow rays. The vertices on triangles are sorted by what kind of
+//! material they have, and those of a kind are shaded together, one to a SIMD lane ([`Block`]); the
+//! others one by one. The results are those of one path after another.
+//!
+//! One by one, too, it gains a tenth to go in steps: what one path does is a long chain in which every
+//! number waits for the one before, and in short loops the processor works on several chains at once.
 
 use super::Path;
+use super::block::{Block, Stage};
 use crate::light::{NextEvent, Origin, beyond_emitters, distant, emitted, sample_light};
 use crate::sheet::Sheet;
 use crate::{CameraRay, Radiance};
 use etendue_math::Ray;
-use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
+use etendue_math::lanes::{MAX_LANES, Real};
+use etendue_render::bsdf::{Bsdf, BsdfSample, LaneKind, Lobe, Transport};
 use etendue_render::emitter::DirectionSample;
-use etendue_render::{Hit, Scene, SurfaceInteraction};
+use etendue_render::shape::Geometry;
+use etendue_render::{Hit, MaterialId, Scene, ShapeId, SurfaceInteraction};
 use etendue_sampling::SampleStream;
-use etendue_spectrum::Spectrum;
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec2;
 
 /// A path on its way.
-struct State {
-    stream: SampleStream,
+pub(super) struct State {
+    pub(super) stream: SampleStream,
     /// The last vertex, and how it chose the direction of the ray that leaves it.
     origin: Origin,
     /// The share of the light at the end of that ray that arrives at the camera.
@@ -31,8 +35,6 @@ struct State {
     eta: f32,
     /// The masked sheet that the path has just passed straight through.
     sheet: Option<Sheet>,
-    /// Edges so far.
-    depth: u32,
     radiance: Spectrum,
     alpha: f32,
 }
@@ -61,15 +63,32 @@ struct Promise {
     radiance: Spectrum,
 }
 
+/// Where a path has met a triangle whose material is shaded in lanes.
+struct Arrival {
+    /// Which of the paths.
+    path: usize,
+    /// Which of the rays.
+    ray: usize,
+    hit: Hit,
+    material: MaterialId,
+}
+
 /// The paths of a batch of camera rays.
 pub(super) struct Wave<'a> {
     integrator: &'a Path,
     scene: &'a Scene,
     paths: Vec<State>,
+    /// Edges of all paths so far.
+    depth: u32,
     /// The paths that go on, and beside them the rays that they go on with.
     active: Vec<usize>,
     rays: Vec<Ray>,
+    /// The rays that led to the present vertices.
+    arriving: Vec<Ray>,
     hits: Vec<Option<Hit>>,
+    /// The vertices to be shaded in lanes, by the kind of their materials.
+    arrivals: [Vec<Arrival>; LaneKind::COUNT],
+    /// The vertices to be shaded one by one.
     vertices: Vec<Vertex>,
     numbers: Vec<VertexNumbers>,
     /// Light that may arrive at the vertices.
@@ -78,6 +97,7 @@ pub(super) struct Wave<'a> {
     promises: Vec<Promise>,
     shadow_rays: Vec<Ray>,
     occluded: Vec<bool>,
+    block: Block,
 }
 
 impl State {
@@ -88,7 +108,6 @@ impl State {
             throughput: Spectrum::ONE,
             eta: 1.0,
             sheet: None,
-            depth: 0,
             radiance: Spectrum::ZERO,
             alpha: 0.0,
         }
@@ -102,15 +121,19 @@ impl<'a> Wave<'a> {
             integrator,
             scene,
             paths: rays.iter().map(State::new).collect(),
+            depth: 0,
             active: (0..count).collect(),
             rays: rays.iter().map(|camera| camera.start.ray).collect(),
+            arriving: Vec::with_capacity(count),
             hits: Vec::with_capacity(count),
+            arrivals: Default::default(),
             vertices: Vec::with_capacity(count),
             numbers: Vec::with_capacity(count),
             lights: Vec::with_capacity(count),
             promises: Vec::with_capacity(count),
             shadow_rays: Vec::with_capacity(count),
             occluded: Vec::with_capacity(count),
+            block: Block::new(),
         }
     }
 
@@ -124,10 +147,13 @@ impl<'a> Wave<'a> {
             self.scene.closest_hits(&self.rays, &mut self.hits);
             self.look_beyond();
             self.arrive();
+            self.leave();
+            self.shade_in_lanes();
             self.draw();
             self.light();
             self.scatter();
             self.gather();
+            self.depth += 1;
         }
         self.paths.into_iter().map(|path| Radiance { color: path.radiance, alpha: path.alpha })
     }
@@ -138,7 +164,7 @@ impl<'a> Wave<'a> {
             let path = &mut self.paths[index];
             if let Some(sheet) = path.sheet.take() {
                 *hit = hit.and_then(|hit| beyond_sheet(self.scene, sheet, ray, hit));
-            } else if self.integrator.hide_emitters && path.depth == 0 {
+            } else if self.integrator.hide_emitters && self.depth == 0 {
                 *hit = hit.and_then(|hit| beyond_emitters(self.scene, ray, hit));
             }
         }
@@ -146,22 +172,91 @@ impl<'a> Wave<'a> {
 
     /// Looks up what the rays have met, and takes the light found there.
     fn arrive(&mut self) {
-        let Self { integrator, scene, .. } = *self;
+        let Self { integrator, scene, depth, .. } = *self;
         self.vertices.clear();
-        for ((&index, ray), hit) in self.active.iter().zip(&self.rays).zip(&self.hits) {
-            let path = &mut self.paths[index];
+        self.arrivals.iter_mut().for_each(Vec::clear);
+        let is_last = depth + 1 >= integrator.max_depth;
+        for (ray_index, (&index, hit)) in self.active.iter().zip(&self.hits).enumerate() {
+            let (path, ray) = (&mut self.paths[index], &self.rays[ray_index]);
             let Some(hit) = hit else {
-                integrator.escape(scene, path, ray);
+                integrator.escape(scene, (path, depth), ray);
                 continue;
             };
+            if let Some((kind, material)) = scene.lane_kind(hit) {
+                if depth == 0 {
+                    path.alpha = 1.0;
+                }
+                if !is_last {
+                    let arrival = Arrival { path: index, ray: ray_index, hit: *hit, material };
+                    self.arrivals[kind.index()].push(arrival);
+                }
+                continue;
+            }
             let surface = scene.interaction(ray, hit);
             path.radiance +=
                 path.throughput * emitted(scene, &surface, ray.direction, &path.origin);
-            if path.depth + 1 < integrator.max_depth && integrator.scatters(&surface, ray) {
+            if !is_last && integrator.scatters(&surface, ray) {
                 self.vertices.push(Vertex { path: index, surface });
-            } else if path.depth == 0 {
+            } else if depth == 0 {
                 path.alpha = 1.0;
             }
+        }
+    }
+
+    /// Makes room for the rays that go on and those that look for light.
+    fn leave(&mut self) {
+        std::mem::swap(&mut self.rays, &mut self.arriving);
+        self.rays.clear();
+        self.active.clear();
+        self.promises.clear();
+        self.shadow_rays.clear();
+    }
+
+    /// Shades the vertices whose materials can be, many at once.
+    fn shade_in_lanes(&mut self) {
+        let arrivals = std::mem::take(&mut self.arrivals);
+        for (kind, arrivals) in LaneKind::ALL.into_iter().zip(&arrivals) {
+            for chunk in arrivals.chunks(MAX_LANES) {
+                self.shade_block(kind, chunk);
+            }
+        }
+        self.arrivals = arrivals;
+    }
+
+    fn shade_block(&mut self, kind: LaneKind, arrivals: &[Arrival]) {
+        let Self { integrator, scene, depth, .. } = *self;
+        let block = &mut self.block;
+        block.start(kind, arrivals.len());
+        for (place, arrival) in arrivals.iter().enumerate() {
+            let Geometry::Mesh(mesh) = &scene.shape(ShapeId(arrival.hit.geometry)).geometry else {
+                unreachable!("only triangles are shaded in lanes");
+            };
+            let direction = self.arriving[arrival.ray].direction;
+            block.triangles.set(place, mesh, &arrival.hit, direction);
+            let path = &self.paths[arrival.path];
+            block.set_path(place, arrival.path, (path.throughput, path.eta));
+        }
+        block.arrive(scene);
+        for (place, arrival) in arrivals.iter().enumerate() {
+            block.set_material(scene, place, (arrival.material, &arrival.hit));
+        }
+        block.draw(scene.level(), &mut self.paths);
+        block.shade(Stage { integrator, scene, depth });
+        for (path, radiance, shadow_ray) in block.promised() {
+            self.promises.push(Promise { path, radiance });
+            self.shadow_rays.push(shadow_ray);
+        }
+        for next in block.continuations() {
+            let path = &mut self.paths[next.path];
+            (path.origin, path.throughput, path.eta) = (next.origin, next.throughput, next.eta);
+            if next.straight {
+                let shape = ShapeId(arrivals[next.place].hit.geometry);
+                path.pass(Sheet::new(shape, next.origin.point), depth);
+            } else {
+                path.alpha = 1.0;
+            }
+            self.active.push(next.path);
+            self.rays.push(next.ray);
         }
     }
 
@@ -192,13 +287,9 @@ impl<'a> Wave<'a> {
 
     /// Resolves the materials: what they reflect of the light chosen, and where the paths go on.
     fn scatter(&mut self) {
-        let Self { integrator, scene, .. } = *self;
+        let Self { integrator, scene, depth, .. } = *self;
         let next_event =
             NextEvent { strict_normals: integrator.strict_normals, scatter_ratio: 1.0 };
-        self.active.clear();
-        self.rays.clear();
-        self.promises.clear();
-        self.shadow_rays.clear();
         for ((vertex, numbers), light) in self.vertices.iter().zip(&self.numbers).zip(&self.lights)
         {
             let Vertex { path: index, surface } = vertex;
@@ -212,9 +303,8 @@ impl<'a> Wave<'a> {
                 self.promises.push(Promise { path: *index, radiance });
                 self.shadow_rays.push(light.shadow_ray);
             }
-            if let Some(ray) = integrator.scatter(path, surface, &bsdf, numbers)
-                && integrator.survives(path, numbers.choices.y)
-                && path.depth < integrator.max_depth
+            if let Some(ray) = integrator.scatter((path, depth), surface, &bsdf, numbers)
+                && (depth + 1 < integrator.rr_depth || path.survives(numbers.choices.y))
             {
                 self.active.push(*index);
                 self.rays.push(ray);
@@ -236,8 +326,8 @@ impl<'a> Wave<'a> {
 
 impl Path {
     /// The ray has left the scene.
-    fn escape(&self, scene: &Scene, path: &mut State, ray: &Ray) {
-        if self.hide_emitters && path.depth == 0 {
+    fn escape(&self, scene: &Scene, (path, depth): (&mut State, u32), ray: &Ray) {
+        if self.hide_emitters && depth == 0 {
             return;
         }
         path.radiance += path.throughput * distant(scene, ray.direction, &path.origin);
@@ -256,12 +346,12 @@ impl Path {
     #[inline(always)]
     fn scatter(
         &self,
-        path: &mut State,
+        (path, depth): (&mut State, u32),
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
         numbers: &VertexNumbers,
     ) -> Option<Ray> {
-        if path.depth == 0 {
+        if depth == 0 {
             path.alpha = 1.0;
         }
         let sample =
@@ -273,35 +363,41 @@ impl Path {
             return None;
         }
         match lobe {
-            Lobe::Null => {
-                path.sheet = Some(Sheet::at(surface));
-                if path.depth == 0 {
-                    path.alpha = 0.0;
-                }
-            }
+            Lobe::Null => path.pass(Sheet::new(surface.shape, surface.point), depth),
             _ => path.alpha = 1.0,
         }
         path.throughput *= weight;
         path.eta *= eta;
         let competing = self.emitter_sampling && lobe.is_smooth();
         path.origin = Origin { point: surface.point, pdf: competing.then_some(pdf) };
-        path.depth += 1;
         (!path.throughput.is_black()).then(|| surface.spawn_ray(direction))
     }
+}
 
-    /// Russian roulette: paths that carry little end early, and the survivors stand for them.
-    #[inline(always)]
-    fn survives(&self, path: &mut State, random: f32) -> bool {
-        if path.depth < self.rr_depth {
-            return true;
+impl State {
+    /// Goes straight through a sheet, which the camera then does not see.
+    fn pass(&mut self, sheet: Sheet, depth: u32) {
+        self.sheet = Some(sheet);
+        if depth == 0 {
+            self.alpha = 0.0;
         }
-        let probability = (path.throughput.max_component() * path.eta * path.eta).min(0.95);
-        if random >= probability {
-            return false;
-        }
-        path.throughput *= 1.0 / probability;
-        true
     }
+
+    /// Russian roulette; see [`roulette`].
+    #[inline(always)]
+    fn survives(&mut self, random: f32) -> bool {
+        let (survives, gain) = roulette::<f32>(self.throughput.into(), self.eta, random);
+        self.throughput *= gain;
+        survives
+    }
+}
+
+/// Russian roulette: paths that carry little end early, and the survivors stand for them by what they
+/// gain.
+#[inline(always)]
+pub(super) fn roulette<R: Real>(throughput: SpectrumLanes<R>, eta: R, random: R) -> (R::Mask, R) {
+    let probability = (throughput.max_component() * eta * eta).min(eta.like(0.95));
+    (random.lt(probability), probability.reciprocal())
 }
 
 /// Goes on through the rest of a sheet.

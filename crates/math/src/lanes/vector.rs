@@ -216,6 +216,14 @@ impl<S: Simd> Vector2<Lanes<S>> {
         let load = |axis: usize| Lanes::load(simd, &arrays[axis], first);
         Self { x: load(0), y: load(1) }
     }
+
+    /// Vectors to memory; see [`Lanes::store`].
+    #[inline(always)]
+    pub fn store(self, arrays: &mut [LaneArray; 2], first: usize) {
+        let [x, y] = arrays;
+        self.x.store(x, first);
+        self.y.store(y, first);
+    }
 }
 
 impl<R: Real> Add for Vector2<R> {

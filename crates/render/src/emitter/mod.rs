@@ -12,6 +12,7 @@ pub mod constant;
 pub mod directional;
 pub mod directionalarea;
 pub mod envmap;
+pub mod lanes;
 pub mod leaving;
 pub mod point;
 pub mod projector;

@@ -3,9 +3,10 @@
 use super::{INTERSECTION_ROUNDINGS, Mesh};
 use crate::interaction::SurfaceLanes;
 use crate::shape::SurfacePoint;
+use etendue_bvh::Hit;
 use etendue_math::lanes::{Frame3, LaneArray, LaneMask, Lanes, Mask, Real, Simd, Vector2, Vector3};
 use etendue_math::rounding_error_bound;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// A point of a triangle, with what the mesh knows of its corners.
 pub(super) struct TrianglePoint<R: Real> {
@@ -148,16 +149,10 @@ pub struct TriangleBlock {
 }
 
 impl TriangleBlock {
-    /// Puts a point of a triangle of `mesh`, where a ray of this direction arrives, in a lane.
+    /// Puts in a lane where a ray of this direction has met a triangle of `mesh`.
     #[inline(always)]
-    pub fn set(
-        &mut self,
-        lane: usize,
-        mesh: &Mesh,
-        (triangle, barycentric): (u32, Vec2),
-        direction: Vec3,
-    ) {
-        let vertices = mesh.indices[triangle as usize].map(|vertex| vertex as usize);
+    pub fn set(&mut self, lane: usize, mesh: &Mesh, hit: &Hit, direction: Vec3) {
+        let vertices = mesh.indices[hit.primitive as usize].map(|vertex| vertex as usize);
         for (corner, vertex) in vertices.into_iter().enumerate() {
             set3(&mut self.corners[corner], lane, mesh.positions[vertex]);
         }
@@ -178,7 +173,7 @@ impl TriangleBlock {
             }
         }
         let [x, y] = &mut self.barycentric;
-        (x.0[lane], y.0[lane]) = barycentric.into();
+        (x.0[lane], y.0[lane]) = (hit.u, hit.v);
         self.orientation.0[lane] = mesh.orientation;
         set3(&mut self.directions, lane, direction);
     }

@@ -1,8 +1,11 @@
 //! What is known where a ray has met a surface.
 
+mod lanes;
+
+pub use lanes::{SurfaceBlock, SurfaceLanes};
+
 use crate::ids::ShapeId;
-use etendue_math::lanes::{Frame3, Real, Vector2, Vector3};
-use etendue_math::{Frame, Ray, offset_origin_lanes, offset_ray_origin};
+use etendue_math::{Frame, Ray, offset_ray_origin};
 use glam::{Vec2, Vec3};
 
 /// A point on a surface, with everything that materials, textures and emitters ask about it.
@@ -77,36 +80,5 @@ impl SurfaceInteraction {
     #[must_use]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray::new(offset_ray_origin(self.point, self.error, self.normal, direction), direction)
-    }
-}
-
-/// Points on surfaces over any [`Real`]: what shading needs of a [`SurfaceInteraction`], one for each
-/// lane.
-#[derive(Clone, Copy, Debug)]
-pub struct SurfaceLanes<R> {
-    /// The point.
-    pub point: Vector3<R>,
-    /// A bound of the absolute error of each coordinate of `point`.
-    pub error: Vector3<R>,
-    /// The unit geometric normal, on the side that the shape calls its front.
-    pub normal: Vector3<R>,
-    /// The shading frame; its `n` is on the side of [`normal`](Self::normal).
-    pub shading: Frame3<R>,
-    /// Surface coordinates.
-    pub uv: Vector2<R>,
-    /// ∂point/∂u.
-    pub dp_du: Vector3<R>,
-    /// ∂point/∂v.
-    pub dp_dv: Vector3<R>,
-    /// The unit direction that the path came from, away from the surface, in the shading frame.
-    pub wi: Vector3<R>,
-}
-
-impl<R: Real> SurfaceLanes<R> {
-    /// Where an unbounded ray starts that leaves the surface towards the world direction `direction`.
-    #[inline(always)]
-    #[must_use]
-    pub fn ray_origin(&self, direction: Vector3<R>) -> Vector3<R> {
-        offset_origin_lanes(self.point, self.error, self.normal, direction)
     }
 }
