@@ -22,6 +22,8 @@ pub(super) struct Block {
     pub(super) paths: [usize; MAX_LANES],
     /// How many of the places are taken, from the first on.
     pub(super) count: usize,
+    /// What kind of materials the vertices have.
+    kind: LaneKind,
     pub(super) triangles: TriangleBlock,
     pub(super) surfaces: SurfaceBlock,
     pub(super) closures: ClosureLanes,
@@ -90,6 +92,7 @@ impl Block {
         Self {
             paths: [0; MAX_LANES],
             count: 0,
+            kind: LaneKind::Diffuse,
             triangles: TriangleBlock::default(),
             surfaces: SurfaceBlock::default(),
             closures: ClosureLanes::new(LaneKind::Diffuse),
@@ -103,7 +106,7 @@ impl Block {
 
     /// Makes room for `count` vertices of another kind.
     pub(super) fn start(&mut self, kind: LaneKind, count: usize) {
-        self.count = count;
+        (self.kind, self.count) = (kind, count);
         self.closures.restart(kind);
     }
 
@@ -174,7 +177,7 @@ impl Block {
         for first in (0..self.count).step_by(Lanes::<S>::COUNT) {
             let surface = self.surfaces.load(simd, first);
             let live = LaneMask::from_bits(simd, ((1_u64 << (self.count - first)) - 1) as u32);
-            if stage.integrator.emitter_sampling && self.closures.kind().has_smooth_lobe() {
+            if stage.integrator.emitter_sampling && self.kind.has_smooth_lobe() {
                 self.light(simd, stage, first, (&surface, live));
             }
             self.scatter(simd, stage, first, (&surface, live));
