@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use crate::{Diagnostics, NotFound, Parameters, Resolver, Resources, Sources, Span, Value};
+use crate::{
+    Diagnostics, List, Name, NotFound, Parameters, Resolver, Resources, Sources, Span, Value,
+};
 
 /// Names one node of a [`Document`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -81,24 +83,24 @@ pub struct Node {
     /// What it is.
     pub class: Class,
     /// Which kind of its class: the XML `type`, upgraded to this version's names.
-    pub plugin: String,
+    pub plugin: Name,
     /// The name other nodes refer to it by.
-    pub id: Option<String>,
+    pub id: Option<Name>,
     /// Where it starts: the opening tag.
     pub span: Span,
     /// In the order of the file.
-    pub parameters: Vec<Parameter>,
+    pub parameters: List<Parameter>,
     /// In the order of the file.
-    pub children: Vec<Child>,
+    pub children: List<Child>,
 }
 
 /// A named value of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// In this version's spelling (`to_world`).
-    pub name: String,
+    pub name: Name,
     /// As typed (`toWorld`).
-    pub original_name: String,
+    pub original_name: Name,
     /// The value.
     pub value: Value,
     /// Where it stands.
@@ -109,7 +111,7 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Child {
     /// The role in the parent where the file gives one (`reflectance`, `interior`).
-    pub name: Option<String>,
+    pub name: Option<Name>,
     /// The node.
     pub node: NodeId,
     /// Where the parent names it: the nested opening tag, or the reference.
@@ -150,6 +152,11 @@ impl Document {
         Parameters::new(self, node, diagnostics)
     }
 
+    /// Lets go of everything but the texts, of which findings show excerpts.
+    pub fn into_sources(self) -> Sources {
+        self.sources
+    }
+
     /// Finds the file that `name`, written at `span`, means; the error lists where it was sought.
     pub fn resolve(
         &self,
@@ -158,5 +165,17 @@ impl Document {
         resources: &dyn Resources,
     ) -> Result<PathBuf, NotFound> {
         self.resolver.resolve(name, span.source, resources)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scene of a million instances is a million of these, matrices included.
+    #[test]
+    fn nodes_are_small() {
+        assert!(size_of::<Node>() <= 208, "{}", size_of::<Node>());
+        assert!(size_of::<Child>() <= 24, "{}", size_of::<Child>());
     }
 }

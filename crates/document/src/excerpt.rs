@@ -6,6 +6,7 @@ use codespan_reporting::diagnostic as codespan;
 use codespan_reporting::files::{Error, Files};
 use codespan_reporting::term;
 
+use crate::source::floor_boundary;
 use crate::{Diagnostic, Severity, Source, Sources, Span};
 
 /// A line of at most this many characters is shown whole. A scene may be one line of megabytes:
@@ -89,15 +90,16 @@ impl Excerpts {
 /// The part of a span's first line around the span, and the span within it. Of a span over
 /// several lines, what lies on the first one.
 fn cut(source: &Source, span: Span) -> (String, Range<usize>) {
-    let start = source.floor_boundary(span.start as usize);
-    let line = source.line_range(source.line_index(start));
+    let whole = source.text();
+    let start = floor_boundary(&whole, span.start as usize);
+    let line = source.line_range(source.line_index(start), &whole);
     let start = start.min(line.end);
-    let end = source.floor_boundary((span.end as usize).clamp(start, line.end));
-    let before = &source.text()[line.start..start];
-    let inside = &source.text()[start..end];
-    let after = &source.text()[end..line.end];
+    let end = floor_boundary(&whole, (span.end as usize).clamp(start, line.end));
+    let before = &whole[line.start..start];
+    let inside = &whole[start..end];
+    let after = &whole[end..line.end];
 
-    let is_long = source.text()[line].chars().nth(SHOWN).is_some();
+    let is_long = whole[line].chars().nth(SHOWN).is_some();
     let limit = |count: usize| if is_long { count } else { SHOWN };
     let (before, before_cut) = last_characters(before, limit(SHOWN / 3));
     let (inside, inside_cut) = first_characters(inside, limit(SHOWN / 2));

@@ -1,6 +1,9 @@
 //! The texts a document was read from, and places in them.
 
+use std::borrow::Cow;
 use std::sync::Arc;
+
+use crate::packed::Packed;
 
 /// Names one text of a [`Sources`] collection. The default is the first one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -47,8 +50,14 @@ pub struct Location {
 #[derive(Clone, Debug)]
 pub struct Source {
     name: String,
-    text: Arc<str>,
+    text: Text,
     line_starts: Vec<u32>,
+}
+
+#[derive(Clone, Debug)]
+enum Text {
+    Whole(Arc<str>),
+    Packed(Packed),
 }
 
 impl Source {
@@ -57,9 +66,29 @@ impl Source {
         &self.name
     }
 
-    /// The whole text.
-    pub fn text(&self) -> &Arc<str> {
-        &self.text
+    /// The whole text; see [`Sources::pack`].
+    pub fn text(&self) -> Arc<str> {
+        match &self.text {
+            Text::Whole(text) => text.clone(),
+            Text::Packed(packed) => packed.unpack().into(),
+        }
+    }
+
+    /// The bytes of the text in order, of a packed one without unpacking all of it.
+    pub fn pieces(&self) -> impl Iterator<Item = Cow<'_, [u8]>> {
+        let (whole, packed) = match &self.text {
+            Text::Whole(text) => (Some(Cow::Borrowed(text.as_bytes())), None),
+            Text::Packed(packed) => (None, Some(packed.pieces().map(Cow::Owned))),
+        };
+        whole.into_iter().chain(packed.into_iter().flatten())
+    }
+
+    /// Bytes of the text.
+    fn length(&self) -> usize {
+        match &self.text {
+            Text::Whole(text) => text.len(),
+            Text::Packed(packed) => packed.length(),
+        }
     }
 
     /// The index of the line (from 0) that holds a byte offset.
@@ -67,23 +96,27 @@ impl Source {
         self.line_starts.partition_point(|&start| start as usize <= offset).saturating_sub(1)
     }
 
-    /// The bytes of a line, without its line break.
-    pub(crate) fn line_range(&self, line_index: usize) -> std::ops::Range<usize> {
-        let start = self.line_starts.get(line_index).map_or(self.text.len(), |&s| s as usize);
-        let end = self.line_starts.get(line_index + 1).map_or(self.text.len(), |&s| s as usize);
-        let line = &self.text[start..end];
+    /// The bytes of a line of `text`, which is this source's, without its line break.
+    pub(crate) fn line_range(&self, line_index: usize, text: &str) -> std::ops::Range<usize> {
+        let start = self.line_starts.get(line_index).map_or(text.len(), |&s| s as usize);
+        let end = self.line_starts.get(line_index + 1).map_or(text.len(), |&s| s as usize);
+        let line = &text[start..end];
         start..start + line.trim_end_matches(['\n', '\r']).len()
     }
-
-    /// The nearest character boundary at or before a byte offset, inside the text.
-    pub(crate) fn floor_boundary(&self, offset: usize) -> usize {
-        let mut offset = offset.min(self.text.len());
-        while !self.text.is_char_boundary(offset) {
-            offset -= 1;
-        }
-        offset
-    }
 }
+
+/// The nearest character boundary at or before a byte offset, inside the text.
+pub(crate) fn floor_boundary(text: &str, offset: usize) -> usize {
+    let mut offset = offset.min(text.len());
+    while !text.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    offset
+}
+
+/// Texts below this are not worth packing: a scene has megabytes at most, unless it places things by
+/// the hundred thousand.
+const LARGE: usize = 16 << 20;
 
 /// Every text read for a document, with its name.
 #[derive(Clone, Debug, Default)]
@@ -98,7 +131,7 @@ impl Sources {
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let starts = breaks.filter_map(|(offset, _)| u32::try_from(offset + 1).ok());
         let line_starts = std::iter::once(0).chain(starts).collect();
-        self.sources.push(Source { name: name.into(), text, line_starts });
+        self.sources.push(Source { name: name.into(), text: Text::Whole(text), line_starts });
         SourceId(u32::try_from(self.sources.len() - 1).unwrap_or(u32::MAX))
     }
 
@@ -117,17 +150,40 @@ impl Sources {
         let Some(source) = self.get(span.source) else {
             return Location { name: "<unknown>".to_owned(), line: 1, column: 1 };
         };
-        let offset = source.floor_boundary(span.start as usize);
+        let text = source.text();
+        let offset = floor_boundary(&text, span.start as usize);
         let line_index = source.line_index(offset);
-        let line_start = source.line_range(line_index).start;
-        let column = source.text[line_start..offset].chars().count() + 1;
+        let line_start = source.line_range(line_index, &text).start;
+        let column = text[line_start..offset].chars().count() + 1;
         Location { name: source.name.clone(), line: line_index + 1, column }
     }
 
     /// The text of a span; empty where the span does not fit.
-    pub fn excerpt(&self, span: Span) -> &str {
+    pub fn excerpt(&self, span: Span) -> String {
         let range = span.start as usize..span.end as usize;
-        self.get(span.source).and_then(|source| source.text.get(range)).unwrap_or("")
+        let text = self.get(span.source).map(Source::text);
+        text.as_deref().and_then(|text| text.get(range)).unwrap_or_default().to_owned()
+    }
+
+    /// Compresses the large texts, which nobody looks at until something is found in them. All that
+    /// a source tells stays the same, but what asks for its text takes a second for each 300 MB.
+    pub fn pack(&mut self) {
+        for source in self.sources.iter_mut().filter(|source| source.length() >= LARGE) {
+            if let Text::Whole(text) = &source.text
+                && let Some(packed) = Packed::new(text)
+            {
+                source.text = Text::Packed(packed);
+            }
+        }
+    }
+
+    /// Undoes [`Self::pack`] for one text, before many places in it are looked up.
+    pub fn unpack(&mut self, id: SourceId) {
+        if let Some(source) = self.sources.get_mut(id.index())
+            && let Text::Packed(packed) = &source.text
+        {
+            source.text = Text::Whole(packed.unpack().into());
+        }
     }
 }
 
@@ -149,7 +205,8 @@ mod tests {
         assert_eq!(place(14), (3, 1));
         assert_eq!(place(17), (4, 3));
         assert_eq!(place(999), (4, 4), "past the end is the end");
-        assert_eq!(sources.get(id).unwrap().line_range(1), 4..12, "without the line break");
+        let source = sources.get(id).unwrap();
+        assert_eq!(source.line_range(1, &source.text()), 4..12, "without the line break");
     }
 
     #[test]
@@ -159,5 +216,28 @@ mod tests {
         assert_eq!(sources.locate(Span::new(id, 1..2)).column, 1);
         assert_eq!(sources.excerpt(Span::new(id, 1..2)), "");
         assert_eq!(sources.excerpt(Span::new(id, 0..2)), "ö");
+    }
+
+    #[test]
+    fn a_packed_text_tells_the_same() {
+        let mut sources = Sources::default();
+        let line = "<shape type=\"größe\"/>\n";
+        let id = sources.add("large.xml", line.repeat(LARGE / line.len() + 1));
+        let small = sources.add("small.xml", "<scene/>");
+        let span = Span::new(id, line.len() * 1000 + 13..line.len() * 1000 + 20);
+        let told = |sources: &Sources| {
+            let bytes: Vec<u8> =
+                sources.iter().flat_map(|s| s.pieces().collect::<Vec<_>>().concat()).collect();
+            (sources.locate(span), sources.excerpt(span), bytes)
+        };
+        let before = told(&sources);
+        assert_eq!((before.0.line, before.0.column, before.1.as_str()), (1001, 14, "größe"));
+        sources.pack();
+        assert!(matches!(sources.get(id).unwrap().text, Text::Packed(_)));
+        assert!(matches!(sources.get(small).unwrap().text, Text::Whole(_)));
+        assert!(told(&sources) == before);
+        sources.unpack(id);
+        assert!(matches!(sources.get(id).unwrap().text, Text::Whole(_)));
+        assert!(told(&sources) == before);
     }
 }

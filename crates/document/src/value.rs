@@ -1,6 +1,6 @@
 //! The values a parameter may have.
 
-use glam::{DMat4, DVec3};
+use glam::{DAffine3, DMat4, DVec3};
 
 /// A typed parameter value, as the file states it.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,13 +28,20 @@ pub enum Value {
         /// A factor on the radiance.
         scale: f64,
     },
-    /// A transformation of column vectors, from the local space to the outer one.
-    Transform(DMat4),
+    /// A transformation of column vectors, from the local space to the outer one. In place, though it
+    /// is four times as large as anything else: of a million, each would pay for its allocation, and
+    /// the memory would not go back to the system when the document does.
+    Transform(DAffine3),
     /// The control points of a `<curve>`.
     Points(Vec<DVec3>),
 }
 
 impl Value {
+    /// A transformation by a matrix whose last row is (0, 0, 0, 1); others are taken as if it were.
+    pub fn transform(matrix: DMat4) -> Self {
+        Self::Transform(DAffine3::from_mat4(matrix))
+    }
+
     /// What the value is, with its article, for messages: "a number".
     pub fn kind(&self) -> &'static str {
         match self {

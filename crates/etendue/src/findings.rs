@@ -18,9 +18,15 @@ pub struct Findings {
 }
 
 impl Findings {
-    pub(crate) fn new(diagnostics: &Diagnostics, sources: Sources) -> Self {
+    pub(crate) fn new(diagnostics: &Diagnostics, mut sources: Sources) -> Self {
+        let list = diagnostics.sorted();
+        // Every excerpt would unpack a large text of its own.
+        let places = list.iter().flat_map(|found| {
+            found.span.into_iter().chain(found.related.iter().map(|related| related.span))
+        });
+        places.for_each(|span| sources.unpack(span.source));
         Self {
-            list: diagnostics.sorted(),
+            list,
             error_count: diagnostics.error_count(),
             omitted: diagnostics.omitted(),
             sources,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use etendue_document::{Diagnostics, Document, Resources, Sources};
 use etendue_integrators::{Integrator, build_integrator};
 use etendue_mitsuba::LoadOptions;
-use etendue_render::{BuildOptions, Scene, build_scene};
+use etendue_render::{BuildOptions, Scene, gather_scene};
 
 use crate::{Findings, SceneOptions};
 
@@ -102,28 +102,37 @@ fn load_with(
     let started = Instant::now();
     let document = read(&diagnostics);
     let document_time = started.elapsed();
-    let content = document
-        .as_ref()
-        .and_then(|document| build(document, resources, &diagnostics, options))
-        .filter(|_| !diagnostics.has_errors());
+    let (content, sources) = match document {
+        Some(document) => build(document, resources, &diagnostics, options),
+        None => (None, sources_without_document()),
+    };
+    let content = content.filter(|_| !diagnostics.has_errors());
     let times = LoadTimes {
         document: document_time,
         scene: started.elapsed().saturating_sub(document_time),
     };
-    let sources = document.map_or_else(sources_without_document, |document| document.sources);
     Loaded { content, findings: Findings::new(&diagnostics, sources), times }
 }
 
+/// What there is to render, and the texts that it was read from.
 fn build(
-    document: &Document,
+    document: Document,
     resources: &dyn Resources,
     diagnostics: &Diagnostics,
     options: &SceneOptions,
-) -> Option<Content> {
+) -> (Option<Content>, Sources) {
     // Both, whatever becomes of the first: one run finds the mistakes of both.
-    let scene = build_scene(document, resources, diagnostics, &options.build);
-    let integrator = build_integrator(document, &options.integrator, diagnostics);
-    Some(Content { scene: scene?, integrator: integrator?, settings: settings(options) })
+    let gathered = gather_scene(&document, resources, diagnostics, &options.build);
+    let integrator = build_integrator(&document, &options.integrator, diagnostics);
+    // Of a million instances, the document would stand beside the tree while that is built.
+    let sources = document.into_sources();
+    let scene = gathered.and_then(|gathered| gathered.build(diagnostics));
+    let content = scene.zip(integrator).map(|(scene, integrator)| Content {
+        scene,
+        integrator,
+        settings: settings(options),
+    });
+    (content, sources)
 }
 
 /// What changes the picture. Where files are sought does not: their content is in the scene's hash.

@@ -94,7 +94,8 @@ impl Build<'_> {
         for child in self.parameters.children_of(Class::Integrator) {
             let parameters =
                 self.parameters.document().parameters(child.node, self.parameters.diagnostics());
-            let name = child.name.clone().unwrap_or_else(|| format!("_arg_{}", nested.len()));
+            let name = child.name.as_ref().map(ToString::to_string);
+            let name = name.unwrap_or_else(|| format!("_arg_{}", nested.len()));
             let options = IntegratorOptions { name: None, ..self.options.clone() };
             let build =
                 Build { parameters: &parameters, options: &options, nesting: self.nesting + 1 };

@@ -44,6 +44,12 @@ impl Transform {
         (transform.forward.is_finite() && transform.inverse.is_finite()).then_some(transform)
     }
 
+    /// The map of two that undo each other, as [`Self::affine`] and [`Self::inverse_affine`] gave them.
+    #[must_use]
+    pub fn from_inverses(forward: Affine3A, inverse: Affine3A) -> Self {
+        Self { forward, inverse }
+    }
+
     /// The map as glam's affine type.
     #[must_use]
     pub fn affine(&self) -> Affine3A {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use etendue_document::{Child, Class, Fault, NodeId, Parameter, Value};
+use etendue_document::{Child, Class, Fault, Name, NodeId, Parameter, Value};
 
 use crate::defines::NAME_LENGTH;
 use crate::element::Element;
@@ -33,8 +33,8 @@ pub(crate) fn alias(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
     let id = element.required("id", loader.diagnostics);
     let new = element.required("as", loader.diagnostics);
     if let (Some(id), Some(new)) = (id, new) {
-        let target = Target::Alias(id.value.clone().into_owned());
-        loader.register(&new.value, target, new.span);
+        let target = Target::Alias(Name::from(&*id.value));
+        loader.register(Name::from(&*new.value), target, new.span);
     }
 }
 
@@ -43,11 +43,15 @@ pub(crate) fn reference(loader: &mut Loader<'_>, element: &Element<'_>, parent: 
     let Some(id) = element.required("id", loader.diagnostics) else {
         return;
     };
-    let name = element.value("name").filter(|name| !name.is_empty()).map(str::to_owned);
+    let name = element.value("name").filter(|name| !name.is_empty());
+    let name = name.map(|name| loader.names.name(name));
+    let known = loader.known_shape(&id.value);
     let node = loader.node_mut(parent);
-    node.children.push(Child { name, node: UNRESOLVED, span: element.span });
-    let index = node.children.len() - 1;
-    loader.add_reference(parent, index, &id.value, id.span);
+    let child = node.children.len();
+    node.children.push(Child { name, node: known.unwrap_or(UNRESOLVED), span: element.span });
+    if known.is_none() {
+        loader.add_reference(parent, child, &id.value, id.span);
+    }
 }
 
 /// `<path value="..."/>`: another folder in which files are looked for.
@@ -84,8 +88,8 @@ pub(crate) fn control_point(loader: &mut Loader<'_>, element: &Element<'_>, pare
     match last {
         Some(points) => points.push(point),
         None => node.parameters.push(Parameter {
-            name: "points".to_owned(),
-            original_name: "vec".to_owned(),
+            name: "points".into(),
+            original_name: "vec".into(),
             value: Value::Points(vec![point]),
             span: element.span,
         }),

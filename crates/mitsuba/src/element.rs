@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use etendue_document::{Diagnostic, Diagnostics, Fault, SourceId, Span, list_names, near_names};
+use etendue_document::{Diagnostic, Diagnostics, Fault, Span, list_names, near_names};
 use glam::DVec3;
 
 use crate::defines::{Defines, ExpansionError};
 use crate::numbers::{self, NumberError};
+use crate::pieces::Origin;
 
 /// An attribute after `$name` expansion.
 #[derive(Clone, Debug)]
@@ -45,17 +46,17 @@ impl<'a> Element<'a> {
     /// Expands the attributes; reports what cannot be.
     pub(crate) fn open(
         node: roxmltree::Node<'a, 'a>,
-        source: SourceId,
+        origin: &Origin,
         defines: &mut Defines,
         diagnostics: &Diagnostics,
     ) -> Self {
         let start = node.range().start;
         let name_end = start + 1 + node.tag_name().name().len();
         let end = node.attributes().next_back().map_or(name_end, |last| last.range().end);
-        let span = Span::new(source, start..end);
+        let span = origin.span(start..end);
         let mut element = Self { node, span, attributes: Vec::new(), broken: false };
         for attribute in node.attributes() {
-            let span = Span::new(source, attribute.range_value());
+            let span = origin.span(attribute.range_value());
             match defines.expand(attribute.value()) {
                 Ok(value) => element.push(&attribute, value, span),
                 Err(error) => {

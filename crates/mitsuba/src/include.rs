@@ -6,7 +6,7 @@ use etendue_document::{Diagnostic, Fault, NodeId, SourceId, Span};
 
 use crate::element::Element;
 use crate::loader::Loader;
-use crate::{scan, syntax, text};
+use crate::text;
 
 /// Near names are sought for this many missing files: for each, whole folders are listed.
 const SUGGESTED: usize = 20;
@@ -50,14 +50,15 @@ fn read_included(loader: &mut Loader<'_>, path: &Path, span: Span, parent: NodeI
         return;
     };
     let outer = std::mem::replace(&mut loader.source, source);
-    loader.with_xml(source, |loader, document| {
-        let root = document.root_element();
-        if root.has_tag_name("scene") {
-            loader.scene_attributes(root);
-            loader.visit_children(root, parent);
-        } else {
+    loader.for_each_piece(source, |loader, root, is_first| {
+        if !root.has_tag_name("scene") {
             loader.visit(root, parent);
+            return;
         }
+        if is_first {
+            loader.scene_attributes(root);
+        }
+        loader.visit_children(root, parent);
     });
     loader.source = outer;
 }
@@ -119,29 +120,6 @@ impl Loader<'_> {
                     Some(span) => diagnostic.related(span, "included here"),
                     None => diagnostic,
                 });
-                None
-            }
-        }
-    }
-
-    /// Parses a text that has been kept and hands it on; reports what is wrong with it.
-    pub(crate) fn with_xml<T>(
-        &mut self,
-        source: SourceId,
-        then: impl FnOnce(&mut Self, &roxmltree::Document<'_>) -> T,
-    ) -> Option<T> {
-        let text = self.sources.get(source)?.text().clone();
-        let limits = &self.options.limits;
-        if let Err(refused) = scan::scan(&text, limits) {
-            let span = Span::new(source, refused.range);
-            self.diagnostics.error(refused.fault, span, refused.message);
-            return None;
-        }
-        match syntax::parse(&text, limits) {
-            Ok(document) => Some(then(self, &document)),
-            Err(error) => {
-                let span = Span::new(source, error.range);
-                self.diagnostics.error(error.fault, span, error.message);
                 None
             }
         }

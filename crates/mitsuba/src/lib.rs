@@ -15,6 +15,7 @@ mod include;
 mod loader;
 mod numbers;
 mod options;
+mod pieces;
 mod resolve;
 mod scan;
 mod syntax;

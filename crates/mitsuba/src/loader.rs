@@ -4,14 +4,16 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use etendue_document::{
-    Child, Class, Diagnostic, Diagnostics, Document, Fault, Node, NodeId, Parameter, Resolver,
-    Resources, SourceId, Sources, Span, Value, list_names, near_names, normalise,
+    Child, Class, Diagnostic, Diagnostics, Document, Fault, List, Name, Names, Node, NodeId,
+    Parameter, Resolver, Resources, SourceId, Sources, Span, Value, list_names, near_names,
+    normalise,
 };
 
 use crate::defines::Defines;
 use crate::element::{Attribute, Element};
 use crate::elements::{self, Kind};
 use crate::include::OpenFile;
+use crate::pieces::Origin;
 use crate::resolve::{Named, Reference, Target};
 use crate::upgrade::Versions;
 use crate::{LoadOptions, resolve, upgrade};
@@ -32,15 +34,19 @@ pub(crate) struct Loader<'a> {
     pub(crate) defines: Defines,
     /// The file that is being read.
     pub(crate) source: SourceId,
+    /// Where in that file the parsed piece stands.
+    pub(crate) origin: Origin,
     /// It and those that led to it.
     pub(crate) open_files: Vec<OpenFile>,
     pub(crate) include_count: usize,
     pub(crate) missing_includes: usize,
     pub(crate) total_bytes: usize,
+    /// The names of plugins, parameters and roles.
+    pub(crate) names: Names,
     /// The major version that each file claims.
     versions: Versions,
     nodes: Vec<Node>,
-    ids: HashMap<String, Named>,
+    ids: HashMap<Name, Named>,
     references: Vec<Reference>,
     /// Nodes with a child that could not be read.
     incomplete: BTreeSet<NodeId>,
@@ -68,6 +74,8 @@ impl<'a> Loader<'a> {
             resolver,
             defines: Defines::new(&options.defines, options.limits.expansion_bytes),
             source: SourceId::default(),
+            origin: Origin::default(),
+            names: Names::default(),
             open_files: Vec::new(),
             include_count: 0,
             missing_includes: 0,
@@ -100,11 +108,29 @@ impl<'a> Loader<'a> {
 
     fn load_source(mut self, source: SourceId) -> Result<Document, Sources> {
         self.source = source;
-        let Some(root) = self.with_xml(source, Self::scene).flatten() else {
+        let mut root = None;
+        self.for_each_piece(source, |loader, element, is_first| {
+            if is_first {
+                root = loader.scene(element);
+            }
+            if let Some(scene) = root {
+                loader.visit_children(element, scene);
+            }
+        });
+        let Some(root) = root else {
             return Err(self.sources);
         };
         self.report_unused_defines();
-        let Self { mut nodes, ids, references, diagnostics, options, mut incomplete, .. } = self;
+        let Self {
+            mut nodes,
+            mut sources,
+            ids,
+            references,
+            diagnostics,
+            options,
+            mut incomplete,
+            ..
+        } = self;
         let limits = &options.limits;
         incomplete.append(&mut resolve::resolve(
             &mut nodes,
@@ -113,13 +139,14 @@ impl<'a> Loader<'a> {
             diagnostics,
             limits,
         ));
-        upgrade::upgrade(&mut nodes, &self.sources, &self.versions, diagnostics);
-        Ok(Document { nodes, root, incomplete, sources: self.sources, resolver: self.resolver })
+        upgrade::upgrade(&mut nodes, &sources, &self.versions, diagnostics);
+        // From here on the texts are looked at only where something is wrong.
+        sources.pack();
+        Ok(Document { nodes, root, incomplete, sources, resolver: self.resolver })
     }
 
     /// The root element of the main file.
-    fn scene(&mut self, document: &roxmltree::Document<'_>) -> Option<NodeId> {
-        let root = document.root_element();
+    fn scene(&mut self, root: roxmltree::Node<'_, '_>) -> Option<NodeId> {
         let element = self.open(root);
         if element.name() != "scene" {
             let message = format!("the root element is `<{}>`, not `<scene>`", element.name());
@@ -129,15 +156,13 @@ impl<'a> Loader<'a> {
         self.scene_attributes(root);
         self.nodes.push(Node {
             class: Class::Scene,
-            plugin: "scene".to_owned(),
+            plugin: "scene".into(),
             id: None,
             span: element.span,
-            parameters: Vec::new(),
-            children: Vec::new(),
+            parameters: List::new(),
+            children: List::new(),
         });
-        let scene = NodeId(0);
-        self.visit_children(root, scene);
-        Some(scene)
+        Some(NodeId(0))
     }
 
     /// Checks the attributes of a `<scene>`: any version is read alike.
@@ -203,7 +228,7 @@ impl<'a> Loader<'a> {
 
     /// Expands an element's attributes.
     pub(crate) fn open<'b>(&mut self, node: roxmltree::Node<'b, 'b>) -> Element<'b> {
-        let element = Element::open(node, self.source, &mut self.defines, self.diagnostics);
+        let element = Element::open(node, &self.origin, &mut self.defines, self.diagnostics);
         self.stopped |= self.defines.exhausted;
         element
     }
@@ -215,12 +240,22 @@ impl<'a> Loader<'a> {
 
     /// Remembers that a child is to be found by its id.
     pub(crate) fn add_reference(&mut self, parent: NodeId, child: usize, id: &str, span: Span) {
-        self.references.push(Reference { parent, child, id: id.to_owned(), span });
+        let id = self.names.name(id);
+        self.references.push(Reference { parent, child, id, span });
+    }
+
+    /// The shape of an id that has been given already, for which no reference need be kept. (Shapes
+    /// alone: a reference to a material may mean what is around it, which the end of the file tells.)
+    pub(crate) fn known_shape(&self, id: &str) -> Option<NodeId> {
+        match self.ids.get(id)?.target {
+            Target::Node(node) if self.nodes[node.index()].class == Class::Shape => Some(node),
+            _ => None,
+        }
     }
 
     /// Gives something an id; reports where it was given before.
-    pub(crate) fn register(&mut self, id: &str, target: Target, span: Span) {
-        if let Some(earlier) = self.ids.get(id) {
+    pub(crate) fn register(&mut self, id: Name, target: Target, span: Span) {
+        if let Some(earlier) = self.ids.get(&id) {
             let message = format!("the id `{id}` is given twice");
             self.diagnostics.push(
                 Diagnostic::error(Fault::BadValue, span, message)
@@ -228,7 +263,7 @@ impl<'a> Loader<'a> {
             );
             return;
         }
-        self.ids.insert(id.to_owned(), Named { target, span });
+        self.ids.insert(id, Named { target, span });
     }
 
     /// Keeps a text, with the folder in which the files it names are.
@@ -259,22 +294,25 @@ impl<'a> Loader<'a> {
         let plugin = element.required("type", self.diagnostics);
         let plugin = plugin.filter(|plugin| self.is_named(plugin));
         let node = NodeId(self.nodes.len() as u32);
-        let text = |name| element.value(name).filter(|text| !text.is_empty()).map(str::to_owned);
+        let id = element.value("id").filter(|id| !id.is_empty()).map(Name::from);
+        let name = element.value("name").filter(|name| !name.is_empty());
+        let name = name.map(|name| self.names.name(name));
+        let plugin_name = plugin.map_or("", |plugin| plugin.value.trim());
         self.nodes.push(Node {
             class,
-            plugin: plugin.map(|plugin| plugin.value.trim().to_owned()).unwrap_or_default(),
-            id: text("id"),
+            plugin: self.names.name(plugin_name),
+            id: id.clone(),
             span: element.span,
-            parameters: Vec::new(),
-            children: Vec::new(),
+            parameters: List::new(),
+            children: List::new(),
         });
-        if let Some(id) = element.attribute("id").filter(|id| !id.value.is_empty()) {
+        if let (Some(name), Some(id)) = (id, element.attribute("id")) {
             // What has no type cannot be built: references to it are dropped without a word.
             let target = if plugin.is_some() { Target::Node(node) } else { Target::Broken };
-            self.register(&id.value, target, id.span);
+            self.register(name, target, id.span);
         }
         if plugin.is_some() {
-            let child = Child { name: text("name"), node, span: element.span };
+            let child = Child { name, node, span: element.span };
             self.node_mut(parent).children.push(child);
         } else {
             self.incomplete.insert(parent);
@@ -298,7 +336,7 @@ impl<'a> Loader<'a> {
         parent: NodeId,
     ) {
         let name = element.required("name", self.diagnostics);
-        let name = name.map(|attribute| attribute.value.trim().to_owned());
+        let name = name.map(|attribute| self.names.name(attribute.value.trim()));
         let value = read(self, element);
         let (Some(name), Some(value), false) = (name, value, element.broken) else {
             return;
@@ -321,7 +359,7 @@ impl<'a> Loader<'a> {
         let start = node.range().start + (text.len() - text.trim_start().len());
         let length = text.trim().len();
         if length > 0 {
-            let span = Span::new(self.source, start..start + length);
+            let span = self.origin.span(start..start + length);
             let message = "text between elements has no meaning and is ignored";
             self.diagnostics.warning(Fault::Syntax, span, message);
         }

@@ -24,7 +24,11 @@ pub struct Limits {
     pub depth: usize,
     /// Attributes of one element.
     pub attributes: usize,
-    /// XML nodes (elements, texts, comments) of one file.
+    /// Bytes of an object right inside the scene, which is parsed at once.
+    pub object_bytes: usize,
+    /// Elements of one file.
+    pub elements: usize,
+    /// XML nodes (elements, texts, comments) that are parsed at once.
     pub xml_nodes: u32,
     /// Objects of the whole scene.
     pub nodes: usize,
@@ -43,11 +47,15 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            total_bytes: 128 << 20,
+            // A million instances, each with the line of a matrix in all its digits.
+            total_bytes: 512 << 20,
             depth: 64,
             attributes: 64,
+            // The parser spends a dozen bytes on each of these.
+            object_bytes: 128 << 20,
+            elements: 12_000_000,
             xml_nodes: 4_000_000,
-            nodes: 1_000_000,
+            nodes: 4_000_000,
             include_depth: 16,
             includes: 10_000,
             paths: 100,

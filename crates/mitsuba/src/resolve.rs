@@ -3,7 +3,8 @@
 use std::collections::{BTreeSet, HashMap};
 
 use etendue_document::{
-    Class, Diagnostic, Diagnostics, Fault, Node, NodeId, Severity, Span, list_names, near_names,
+    Class, Diagnostic, Diagnostics, Fault, Name, Node, NodeId, Severity, Span, list_names,
+    near_names,
 };
 
 use crate::Limits;
@@ -15,7 +16,7 @@ pub(crate) enum Target {
     /// An object.
     Node(NodeId),
     /// Another id.
-    Alias(String),
+    Alias(Name),
     /// An object that could not be read, which has been reported.
     Broken,
 }
@@ -33,7 +34,7 @@ pub(crate) struct Reference {
     pub(crate) parent: NodeId,
     /// The position among the parent's children.
     pub(crate) child: usize,
-    pub(crate) id: String,
+    pub(crate) id: Name,
     /// Of the id in the file.
     pub(crate) span: Span,
 }
@@ -47,7 +48,7 @@ const COMPARED_IDS: usize = 200_000;
 /// depth and size. Returns the nodes that lost a child by that.
 pub(crate) fn resolve(
     nodes: &mut [Node],
-    ids: &HashMap<String, Named>,
+    ids: &HashMap<Name, Named>,
     references: &[Reference],
     diagnostics: &Diagnostics,
     limits: &Limits,
@@ -75,7 +76,7 @@ pub(crate) fn resolve(
 const ALIAS_LIMIT: usize = 8;
 
 /// The object that an id stands for at the end of its aliases, if there is one.
-fn follow(ids: &HashMap<String, Named>, id: &str) -> Option<NodeId> {
+fn follow(ids: &HashMap<Name, Named>, id: &str) -> Option<NodeId> {
     let mut target = &ids.get(id)?.target;
     for _ in 0..=ALIAS_LIMIT {
         match target {
@@ -88,7 +89,7 @@ fn follow(ids: &HashMap<String, Named>, id: &str) -> Option<NodeId> {
 }
 
 /// Reports aliases that lead to nothing.
-fn check_aliases(ids: &HashMap<String, Named>, diagnostics: &Diagnostics) {
+fn check_aliases(ids: &HashMap<Name, Named>, diagnostics: &Diagnostics) {
     for named in ids.values() {
         let Target::Alias(id) = &named.target else {
             continue;
@@ -109,13 +110,13 @@ fn check_aliases(ids: &HashMap<String, Named>, diagnostics: &Diagnostics) {
 
 fn report_unknown(
     reference: &Reference,
-    ids: &HashMap<String, Named>,
+    ids: &HashMap<Name, Named>,
     suggest: bool,
     diagnostics: &Diagnostics,
 ) {
     let message = format!("there is no object with the id `{}`", reference.id);
     let mut diagnostic = Diagnostic::error(Fault::BadValue, reference.span, message);
-    let known = ids.keys().map(String::as_str).take(if suggest { ids.len() } else { 0 });
+    let known = ids.keys().map(Name::as_str).take(if suggest { ids.len() } else { 0 });
     let near = near_names(&reference.id, known);
     if !near.is_empty() {
         diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));
@@ -212,7 +213,7 @@ enum Visit {
     /// Walked, with the depth of what is below it and the number of objects that it comes to
     /// when every reference is followed.
     Done {
-        depth: usize,
+        depth: u32,
         size: u64,
     },
 }
@@ -258,7 +259,7 @@ fn finish(
     diagnostics: &Diagnostics,
     limits: &Limits,
 ) -> Visit {
-    let (mut depth, mut size) = (0, 1u64);
+    let (mut depth, mut size) = (0u32, 1u64);
     for child in nodes[index].children.iter().filter(|child| child.node != UNRESOLVED) {
         if let Visit::Done { depth: below, size: more } = visits[child.node.index()] {
             depth = depth.max(below + 1);
@@ -266,7 +267,7 @@ fn finish(
         }
     }
     let is_scene = index == 0;
-    let message = if depth > limits.depth {
+    let message = if depth as usize > limits.depth {
         format!("objects hold each other more than {} deep", limits.depth)
     } else if size > limits.expanded_nodes && !is_scene {
         format!(
@@ -292,7 +293,8 @@ fn report_cycle(
     let cycle = &path[start..];
     let name = |index: usize| {
         let node = &nodes[index];
-        node.id.clone().unwrap_or_else(|| format!("<{}>", node.class.name()))
+        let id = node.id.as_ref().map(Name::to_string);
+        id.unwrap_or_else(|| format!("<{}>", node.class.name()))
     };
     let mut names: Vec<String> = cycle.iter().take(8).map(|(node, _)| name(*node)).collect();
     if cycle.len() > names.len() {

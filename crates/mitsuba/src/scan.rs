@@ -14,6 +14,9 @@ use crate::Limits;
 /// Declarations of namespaces in one file; scenes need none.
 const NAMESPACE_LIMIT: usize = 16;
 
+/// Bytes that are parsed at once where that is possible: the parser needs some six times as many.
+pub(crate) const PIECE: usize = 1 << 20;
+
 /// Something that the parser must not see.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Refused {
@@ -23,18 +26,30 @@ pub(crate) struct Refused {
     pub(crate) range: Range<usize>,
 }
 
-/// Looks for nesting, attributes and declarations beyond the limits.
-pub(crate) fn scan(text: &str, limits: &Limits) -> Result<(), Refused> {
-    let mut scanner = Scanner { text, limits, position: 0, depth: 0 };
+/// What the look over a text has shown of its shape.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Outline {
+    /// The opening tag of the root.
+    pub(crate) root: Range<usize>,
+    /// Places between two elements right inside the root, some [`PIECE`] bytes apart.
+    pub(crate) breaks: Vec<usize>,
+}
+
+/// Looks for nesting, attributes and declarations beyond the limits, and for the places at which a
+/// long text can be taken apart.
+pub(crate) fn scan(text: &str, limits: &Limits) -> Result<Outline, Refused> {
+    let outline = Outline::default();
+    let mut scanner = Scanner { text, limits, position: 0, depth: 0, elements: 0, outline };
     while scanner.next_tag() {
         scanner.tag()?;
     }
+    let outline = scanner.outline;
     match text.match_indices("xmlns").nth(NAMESPACE_LIMIT) {
         Some((start, found)) => {
             let message = format!("more than {NAMESPACE_LIMIT} namespace declarations");
             Err(Refused { fault: Fault::Limit, message, range: start..start + found.len() })
         }
-        None => Ok(()),
+        None => Ok(outline),
     }
 }
 
@@ -43,6 +58,8 @@ struct Scanner<'a> {
     limits: &'a Limits,
     position: usize,
     depth: usize,
+    elements: usize,
+    outline: Outline,
 }
 
 impl<'a> Scanner<'a> {
@@ -76,6 +93,7 @@ impl<'a> Scanner<'a> {
         } else if rest.starts_with("</") {
             self.depth = self.depth.saturating_sub(1);
             self.skip_past(">");
+            self.note_break(self.position);
         } else {
             self.opening_tag()?;
         }
@@ -109,7 +127,18 @@ impl<'a> Scanner<'a> {
             let message = format!("an element with {values} attributes; at most {limit} are read");
             return Err(self.refuse(Fault::Limit, message, name_length));
         }
-        if bytes[..end].last() != Some(&b'/') {
+        self.elements += 1;
+        if self.elements > self.limits.elements {
+            let message = format!("more than {} elements in one file", self.limits.elements);
+            return Err(self.refuse(Fault::Limit, message, name_length));
+        }
+        let after = (self.position + end + 1).min(self.text.len());
+        if self.elements == 1 {
+            self.outline.root = self.position..after;
+        }
+        if bytes[..end].last() == Some(&b'/') {
+            self.note_break(after);
+        } else {
             self.depth += 1;
             if self.depth > self.limits.depth {
                 let limit = self.limits.depth;
@@ -119,6 +148,14 @@ impl<'a> Scanner<'a> {
         }
         self.position += end;
         Ok(())
+    }
+
+    /// Remembers the end of an element right inside the root.
+    fn note_break(&mut self, place: usize) {
+        let Outline { root, breaks } = &mut self.outline;
+        if self.depth == 1 && place >= breaks.last().unwrap_or(&root.end) + PIECE {
+            breaks.push(place);
+        }
     }
 
     fn skip_past(&mut self, end: &str) {
@@ -143,14 +180,14 @@ mod tests {
     fn ordinary_scenes_pass() {
         let text = "<?xml version='1.0'?><!-- <a><a> --><scene a='>' b=\"<\"><x/><y></y></scene>";
         let limits = Limits { depth: 2, ..Limits::default() };
-        assert_eq!(scan(text, &limits), Ok(()));
+        assert!(scan(text, &limits).is_ok());
     }
 
     #[test]
     fn a_doctype_is_refused_at_its_place() {
         let found = refused("<?xml version='1.0'?>\n<!DOCTYPE scene [<!ENTITY a 'b'>]>\n<scene/>");
         assert_eq!((found.fault, found.range.start), (Fault::Unsupported, 22));
-        assert_eq!(scan("<!-- <!DOCTYPE --><scene/>", &Limits::default()), Ok(()));
+        assert!(scan("<!-- <!DOCTYPE --><scene/>", &Limits::default()).is_ok());
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
     }
     // Each by itself can be usable where all together are not.
     let usable = !failed && check(transform, planar, element, loader.diagnostics);
-    usable.then_some(Value::Transform(transform))
+    usable.then(|| Value::transform(transform))
 }
 
 fn apply(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {

@@ -42,8 +42,21 @@ pub struct BuildOptions {
     pub tier: Option<Tier>,
 }
 
-/// Builds the frozen scene of a document. Errors and warnings go to `diagnostics`; `None` where
-/// there was an error. Files are read through `resources`, several at once.
+/// A scene that needs its document no more, and lacks the tree over everything. What takes most
+/// memory to read and what takes most to build need not be there at the same time.
+#[derive(Debug)]
+pub struct GatheredScene(Parts);
+
+impl GatheredScene {
+    /// Builds the tree. Errors go to `diagnostics`; `None` where there was one.
+    #[must_use]
+    pub fn build(self, diagnostics: &Diagnostics) -> Option<Scene> {
+        Scene::new(self.0, diagnostics)
+    }
+}
+
+/// Builds the frozen scene of a document, in one step. Arguments and errors are those of
+/// [`gather_scene`].
 #[must_use]
 pub fn build_scene(
     document: &Document,
@@ -51,6 +64,18 @@ pub fn build_scene(
     diagnostics: &Diagnostics,
     options: &BuildOptions,
 ) -> Option<Scene> {
+    gather_scene(document, resources, diagnostics, options)?.build(diagnostics)
+}
+
+/// Builds everything of the scene of a document but the tree over it. Errors and warnings go to `diagnostics`; `None` where
+/// there was an error. Files are read through `resources`, several at once.
+#[must_use]
+pub fn gather_scene(
+    document: &Document,
+    resources: &dyn Resources,
+    diagnostics: &Diagnostics,
+    options: &BuildOptions,
+) -> Option<GatheredScene> {
     let assets = Assets::new(document, resources, diagnostics, options.skip_missing);
     let loaded = assets.load();
     let mut builder = Builder::new(&assets, options);
@@ -72,7 +97,7 @@ pub fn build_scene(
     let Builder { materials, textures, media, emitter_weights, .. } = builder;
     let tier = options.tier;
     let parts = Parts { materials, textures, media, emitter_weights, hash, tier, ..parts };
-    Scene::new(parts, diagnostics)
+    Some(GatheredScene(parts))
 }
 
 /// A 4×4 transform parameter; `None` after reporting one that has no inverse.

@@ -28,6 +28,8 @@ typed_ids! {
     EmitterId,
     /// A shape group: shapes that instances place in the scene.
     GroupId,
+    /// A shape group that has been placed in the scene.
+    InstanceId,
     /// A medium: what fills the space between surfaces.
     MediumId,
 }

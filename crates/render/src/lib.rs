@@ -29,8 +29,8 @@ pub mod volume;
 
 pub use etendue_bvh::Hit;
 
-pub use builder::{Assets, BuildOptions, Builder, build_scene};
-pub use ids::{EmitterId, GroupId, MaterialId, MediumId, ShapeId, TextureId};
+pub use builder::{Assets, BuildOptions, Builder, GatheredScene, build_scene, gather_scene};
+pub use ids::{EmitterId, GroupId, InstanceId, MaterialId, MediumId, ShapeId, TextureId};
 pub use interaction::{SurfaceBlock, SurfaceInteraction, SurfaceLanes};
 pub use manual::{Manual, ParameterManual};
 pub use scene::{EmitterChoice, Scene, SceneStatistics, SensorSetup};

@@ -3,10 +3,11 @@
 use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
 use crate::emitter::Emitter;
 use crate::film::FilmSpec;
-use crate::ids::{EmitterId, MaterialId, MediumId, ShapeId};
+use crate::ids::{EmitterId, InstanceId, MaterialId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use crate::medium::{Boundary, Medium};
 use crate::sensor::Sensor;
+use crate::shape::instance::Instance;
 use crate::shape::mesh::Mesh;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
@@ -43,6 +44,7 @@ pub(crate) struct Parts {
     pub(crate) shapes: Vec<Shape>,
     /// How many shapes, from the first, stand in the scene rather than in groups; all where `None`.
     pub(crate) top_level_shapes: Option<usize>,
+    pub(crate) instances: Vec<Instance>,
     pub(crate) groups: Vec<Group>,
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
@@ -66,6 +68,7 @@ pub struct Scene {
     shapes: Vec<Shape>,
     /// How many shapes, from the first, stand in the scene rather than in groups.
     top_level: usize,
+    instances: Vec<Instance>,
     groups: Vec<Group>,
     materials: Vec<Material>,
     lane_materials: Vec<LaneMaterial>,
@@ -98,7 +101,7 @@ pub struct SceneStatistics {
     pub emitters: BTreeMap<&'static str, usize>,
     /// Bytes held by meshes.
     pub mesh_bytes: usize,
-    /// Bytes held by the trees over them.
+    /// Bytes held by the trees over them, and by instances.
     pub tree_bytes: usize,
     /// Bytes held by textures, but for the volumes that they show.
     pub texture_bytes: usize,
@@ -118,10 +121,10 @@ pub struct EmitterChoice {
     pub probability: f32,
 }
 
-/// The tree over shapes; `groups` are what instances among them place.
+/// The tree over shapes, and after them instances, which place `groups`.
 pub(crate) fn build_tree(
     shapes: &[Shape],
-    groups: &[Group],
+    (instances, groups): (&[Instance], &[Group]),
     tier: Option<Tier>,
 ) -> Result<Bvh, String> {
     let boxes: Vec<Vec<Bounds3>> =
@@ -134,12 +137,12 @@ pub(crate) fn build_tree(
                 positions: mesh.positions(),
                 indices: mesh.triangles(),
             }),
-            Geometry::Instance(instance) => GeometryView::Instance {
-                group: Arc::clone(&groups[instance.group.index()].bvh),
-                to_world: instance.to_world.affine(),
-            },
             _ => GeometryView::User(boxes),
         })
+        .chain(instances.iter().map(|instance| GeometryView::Instance {
+            group: Arc::clone(&groups[instance.group.index()].bvh),
+            to_world: instance.to_world().affine(),
+        }))
         .collect();
     let bvh = Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())?;
     Ok(match tier {
@@ -182,7 +185,8 @@ fn choose_by_weight(table: &AliasTable, random: &mut f32) -> EmitterChoice {
 impl Scene {
     pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
         let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
-        let bvh = match build_tree(&parts.shapes[..top_level], &parts.groups, parts.tier) {
+        let placed = (parts.instances.as_slice(), parts.groups.as_slice());
+        let bvh = match build_tree(&parts.shapes[..top_level], placed, parts.tier) {
             Ok(bvh) => bvh,
             Err(problem) => {
                 diagnostics.error(Fault::Geometry, None, problem);
@@ -207,6 +211,7 @@ impl Scene {
             bvh,
             shapes: parts.shapes,
             top_level,
+            instances: parts.instances,
             groups: parts.groups,
             lane_materials: LaneMaterial::of_all(&parts.materials),
             materials: parts.materials,
@@ -277,13 +282,11 @@ impl Scene {
 
     #[cold]
     fn instance_interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
-        let placed = ShapeId(hit.instance);
-        let Geometry::Instance(instance) = &self.shapes[placed.index()].geometry else {
-            unreachable!("the tree reports instances for instance shapes only");
-        };
+        let placed = InstanceId(hit.instance - self.top_level as u32);
+        let instance = &self.instances[placed.index()];
         let group = &self.groups[instance.group.index()];
         let id = ShapeId(group.first_shape.0 + hit.geometry);
-        let local_ray = instance.to_world.inverse().ray(ray);
+        let local_ray = instance.to_world().inverse().ray(ray);
         let local = self.shapes[id.index()].interaction(id, &local_ray, hit);
         SurfaceInteraction { instance: Some(placed), ..instance.place(local, ray.direction) }
     }
@@ -429,11 +432,13 @@ impl Scene {
     #[must_use]
     pub fn statistics(&self) -> SceneStatistics {
         let mut statistics = SceneStatistics {
-            shapes: self.shapes.len(),
+            shapes: self.shapes.len() + self.instances.len(),
+            instances: self.instances.len(),
             materials: self.materials.len(),
             textures: self.textures.len(),
             tree_bytes: self.bvh.memory_bytes()
-                + self.groups.iter().map(|group| group.bvh.memory_bytes()).sum::<usize>(),
+                + self.groups.iter().map(|group| group.bvh.memory_bytes()).sum::<usize>()
+                + size_of_val(self.instances.as_slice()),
             texture_bytes: self.textures.iter().map(Texture::memory_bytes).sum(),
             media: self.media.len(),
             volume_bytes: self.volume_bytes(),
@@ -445,7 +450,6 @@ impl Scene {
                     statistics.triangles += mesh.triangles().len();
                     statistics.mesh_bytes += mesh.memory_bytes();
                 }
-                Geometry::Instance(_) => statistics.instances += 1,
                 Geometry::RevSurface(surface) => statistics.mesh_bytes += surface.memory_bytes(),
                 Geometry::LinearCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
                 Geometry::BSplineCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
@@ -486,9 +490,15 @@ impl Scene {
             Geometry::SdfGrid(grid) => (grid.intersect(primitive, ray)?, Vec2::ZERO),
             Geometry::Ellipsoids(cloud) => (cloud.intersect(primitive, ray)?, Vec2::ZERO),
             Geometry::EllipsoidsMesh(cloud) => cloud.intersect(primitive, ray)?,
-            Geometry::Mesh(_) | Geometry::Instance(_) => return None,
+            Geometry::Mesh(_) => return None,
         };
         Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+
+    /// The shape that the tree calls `geometry` within the group of `instance`.
+    fn grouped_shape(&self, instance: u32, geometry: u32) -> ShapeId {
+        let instance = &self.instances[instance as usize - self.top_level];
+        ShapeId(self.groups[instance.group.index()].first_shape.0 + geometry)
     }
 
     /// Whether one of the analytic shapes is in the way.
@@ -516,18 +526,10 @@ impl Primitives for Scene {
         primitive: u32,
         ray: &Ray,
     ) -> Option<PrimitiveHit> {
-        let Geometry::Instance(instance) = &self.shapes[instance as usize].geometry else {
-            return None;
-        };
-        let first = self.groups[instance.group.index()].first_shape;
-        self.intersect_shape(ShapeId(first.0 + geometry), primitive, ray)
+        self.intersect_shape(self.grouped_shape(instance, geometry), primitive, ray)
     }
 
     fn occludes_in(&self, instance: u32, geometry: u32, primitive: u32, ray: &Ray) -> bool {
-        let Geometry::Instance(instance) = &self.shapes[instance as usize].geometry else {
-            return false;
-        };
-        let first = self.groups[instance.group.index()].first_shape;
-        self.occludes_shape(ShapeId(first.0 + geometry), primitive, ray)
+        self.occludes_shape(self.grouped_shape(instance, geometry), primitive, ray)
     }
 }

@@ -22,22 +22,22 @@ fn document(parameters: Vec<(&str, Value)>) -> Document {
     sources.add("test.xml", TEXT);
     let node = |class, plugin: &str, word: &str| Node {
         class,
-        plugin: plugin.to_owned(),
+        plugin: plugin.into(),
         id: None,
         span: place(&sources, word),
-        parameters: Vec::new(),
-        children: Vec::new(),
+        parameters: List::new(),
+        children: List::new(),
     };
     let mut root = node(Class::Bsdf, "roughplastic", "bsdf");
     for (name, value) in parameters {
-        let original_name = name.to_owned();
+        let original_name = name.into();
         let span = place(&sources, name);
-        let name = if name == "intIOR" { "int_ior" } else { name }.to_owned();
+        let name = if name == "intIOR" { "int_ior" } else { name }.into();
         root.parameters.push(Parameter { name, original_name, value, span });
     }
     for (name, node, word) in [(None, 1, "nested"), (Some("reflectance"), 2, "texture")] {
         let span = place(&sources, word);
-        root.children.push(Child { name: name.map(str::to_owned), node: NodeId(node), span });
+        root.children.push(Child { name: name.map(Name::from), node: NodeId(node), span });
     }
     let nested = node(Class::Bsdf, "diffuse", "nested");
     let texture = node(Class::Texture, "bitmap", "texture");
@@ -63,7 +63,7 @@ fn values_come_back_by_type_and_defaults_where_absent() {
         ("distribution", Value::String("ggx".into())),
         ("intIOR", Value::Float(3.0)),
         ("reflectance", Value::Vector(DVec3::X)),
-        ("toWorld", Value::Transform(matrix)),
+        ("toWorld", Value::transform(matrix)),
     ]);
     let diagnostics = Diagnostics::new();
     let parameters = document.parameters(NodeId(0), &diagnostics);

@@ -126,7 +126,7 @@ impl<'a> Parameters<'a> {
     /// A transformation, if there is one.
     pub fn optional_transform(&self, name: &str) -> Option<DMat4> {
         self.typed(name, "a transform", |value| match value {
-            Value::Transform(matrix) => Some(*matrix),
+            Value::Transform(affine) => Some((*affine).into()),
             _ => None,
         })
     }

@@ -1,6 +1,6 @@
 //! BSDFs: the Phong and Ward models, and microfacet distributions that are gone.
 
-use etendue_document::{Child, Class, Node, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Child, Class, List, Node, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
@@ -72,7 +72,7 @@ fn glossy(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximatio
             node.parameters.retain(|parameter| keep.contains(&parameter.name.as_str()));
             let alpha = new_parameter(node, "alpha", Value::Float((alpha_u * alpha_v).sqrt()));
             node.parameters.push(alpha);
-            "roughplastic".clone_into(&mut node.plugin);
+            node.plugin = "roughplastic".into();
             "`roughplastic`"
         }
     };
@@ -142,24 +142,24 @@ fn blend(nodes: &mut Vec<Node>, index: usize, glossy: &Glossy) {
     nodes.extend([base, lobe]);
     let node = &mut nodes[index];
     let child = |offset| Child { name: None, node: NodeId(first + offset), span: node.span };
-    node.children = vec![child(0), child(1)];
-    node.parameters = vec![weight];
-    "blendbsdf".clone_into(&mut node.plugin);
+    node.children = vec![child(0), child(1)].into();
+    node.parameters = vec![weight].into();
+    node.plugin = "blendbsdf".into();
 }
 
 /// A BSDF that stands where the node stands that it was made from.
 pub(super) fn with_parameters(origin: &Node, plugin: &str, parameters: Vec<Parameter>) -> Node {
     Node {
         class: Class::Bsdf,
-        plugin: plugin.to_owned(),
+        plugin: plugin.into(),
         id: None,
         span: origin.span,
-        parameters,
-        children: Vec::new(),
+        parameters: parameters.into(),
+        children: List::new(),
     }
 }
 
 /// A parameter that stands for the whole node it was made from.
 pub(super) fn new_parameter(origin: &Node, name: &str, value: Value) -> Parameter {
-    Parameter { name: name.to_owned(), original_name: name.to_owned(), value, span: origin.span }
+    Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
 }

@@ -31,9 +31,9 @@ pub(super) fn upgrade(node: &mut Node, is_old: bool) {
         "sunsky" if is_old => ("scale", None),
         _ => return,
     };
-    node.plugin = "sunsky".to_owned();
+    node.plugin = "sunsky".into();
     for scale in node.parameters.iter_mut().filter(|parameter| parameter.name == "scale") {
-        own_scale.clone_into(&mut scale.name);
+        scale.name = own_scale.into();
     }
     if let Some(other_scale) = other_scale {
         set(node, other_scale, Value::Float(0.0));
@@ -48,10 +48,10 @@ pub(super) fn upgrade(node: &mut Node, is_old: bool) {
         set(node, "albedo", Value::Float(ALBEDO));
     }
     let to_world = match find(node, "to_world").map(|parameter| &parameter.value) {
-        Some(Value::Transform(matrix)) => *matrix,
+        Some(Value::Transform(affine)) => (*affine).into(),
         _ => DMat4::IDENTITY,
     };
-    set(node, "to_world", Value::Transform(to_world * UP));
+    set(node, "to_world", Value::transform(to_world * UP));
 }
 
 /// Makes a `timed_sunsky`, whose sun wanders, the `sunsky` of its first day, halfway through the hours.
@@ -62,7 +62,7 @@ pub(super) fn stop_the_clock(node: &mut Node, approximations: &mut Approximation
     let message =
         "`timed_sunsky` is rendered as `sunsky`, on its first day halfway through its hours";
     approximations.add(message, node.span);
-    node.plugin = "sunsky".to_owned();
+    node.plugin = "sunsky".into();
     let hour =
         |name, default| find(node, name).and_then(|time| number(&time.value)).unwrap_or(default);
     let middle = 0.5 * (hour("window_start_time", 7.0) + hour("window_end_time", 19.0));
@@ -91,6 +91,6 @@ const TIME_PARAMETERS: [&str; 7] = [
 /// Gives a parameter a value, at the place of the parameter that it replaces or of the node.
 fn set(node: &mut Node, name: &str, value: Value) {
     let span = take(node, name).map_or(node.span, |old| old.span);
-    let (name, original_name) = (name.to_owned(), name.to_owned());
+    let (name, original_name) = (name.into(), name.into());
     node.parameters.push(Parameter { name, original_name, value, span });
 }

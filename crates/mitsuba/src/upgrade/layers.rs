@@ -79,7 +79,7 @@ fn blend(nodes: &mut Vec<Node>, origin: usize, parts: &[(Child, f64)]) -> Child 
     let weight = if sum > 0.0 { second.1 / sum } else { 0.0 };
     let weight = new_parameter(&nodes[origin], "weight", Value::Float(weight));
     let mut node = with_parameters(&nodes[origin], "blendbsdf", vec![weight]);
-    node.children = vec![first.0, second.0];
+    node.children = vec![first.0, second.0].into();
     add(nodes, node)
 }
 
@@ -101,14 +101,14 @@ fn coating(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximati
         let mut coat = nodes[index].clone();
         keep(&mut coat, &["specular_reflectance", "alpha", "alpha_u", "alpha_v", "distribution"]);
         coat.id = None;
-        coat.plugin = new.to_owned();
+        coat.plugin = new.into();
         let material = new_parameter(&coat, "material", Value::String("none".to_owned()));
         coat.parameters.push(material);
         let coat = add(nodes, coat);
         let node = &mut nodes[index];
         let weight = new_parameter(node, "weight", Value::Float(weight));
-        (node.parameters, node.children) = (vec![weight], vec![base.clone(), coat]);
-        "blendbsdf".clone_into(&mut node.plugin);
+        (node.parameters, node.children) = (vec![weight].into(), vec![base.clone(), coat].into());
+        node.plugin = "blendbsdf".into();
         format!("a blend with a `{new}`")
     };
     let message =
@@ -122,20 +122,20 @@ fn coat_diffuse(node: &mut Node, base: &Node, plugin: &str) {
     keep(node, &kept);
     let reflectance = base.parameters.iter().filter(|parameter| parameter.name == "reflectance");
     node.parameters.extend(reflectance.cloned().map(|mut parameter| {
-        "diffuse_reflectance".clone_into(&mut parameter.name);
+        parameter.name = "diffuse_reflectance".into();
         parameter
     }));
     let textures =
         base.children.iter().filter(|child| child.name.as_deref() == Some("reflectance"));
     node.children.extend(textures.map(|child| Child {
-        name: Some("diffuse_reflectance".to_owned()),
+        name: Some("diffuse_reflectance".into()),
         node: child.node,
         span: child.span,
     }));
     // Light that the coat throws back is coloured by the base again, as in the coating.
     let nonlinear = new_parameter(node, "nonlinear", Value::Boolean(true));
     node.parameters.push(nonlinear);
-    plugin.clone_into(&mut node.plugin);
+    node.plugin = plugin.into();
 }
 
 /// Removes all parameters and children but some.
@@ -157,7 +157,7 @@ fn diffuse_transmitter(node: &mut Node) {
     rename(node, "transmittance", "base_color");
     let all = new_parameter(node, "diff_trans", Value::Float(2.0));
     node.parameters.push(all);
-    "principledthin".clone_into(&mut node.plugin);
+    node.plugin = "principledthin".into();
 }
 
 /// Hanrahan and Krueger's slab becomes a sheet of its albedo, with half of the light on either side.
@@ -173,27 +173,28 @@ fn slab(node: &mut Node, approximations: &mut Approximations) {
     node.parameters = vec![
         new_parameter(node, "base_color", Value::Rgb(color)),
         new_parameter(node, "diff_trans", Value::Float(1.0)),
-    ];
+    ]
+    .into();
     node.children.clear();
-    "principledthin".clone_into(&mut node.plugin);
+    node.plugin = "principledthin".into();
     let message = "`hk` is rendered as `principledthin`, a diffuse sheet of its albedo";
     approximations.add(message, node.span);
 }
 
 /// Woven cloth becomes a rough surface: its weave is in a file of its own kind.
 fn cloth(node: &mut Node, approximations: &mut Approximations) {
-    node.parameters = vec![new_parameter(node, "alpha", Value::Float(0.5))];
+    node.parameters = vec![new_parameter(node, "alpha", Value::Float(0.5))].into();
     node.children.clear();
-    "roughdiffuse".clone_into(&mut node.plugin);
+    node.plugin = "roughdiffuse".into();
     let message = "`irawan` is rendered as `roughdiffuse`, without its weave";
     approximations.add(message, node.span);
 }
 
 fn rename(node: &mut Node, old: &str, new: &str) {
     let parameters = node.parameters.iter_mut().filter(|parameter| parameter.name == old);
-    parameters.for_each(|parameter: &mut Parameter| new.clone_into(&mut parameter.name));
+    parameters.for_each(|parameter: &mut Parameter| parameter.name = new.into());
     let children = node.children.iter_mut().filter(|child| child.name.as_deref() == Some(old));
-    children.for_each(|child| child.name = Some(new.to_owned()));
+    children.for_each(|child| child.name = Some(new.into()));
 }
 
 /// A colour that is the same at all wavelengths, or given in RGB.

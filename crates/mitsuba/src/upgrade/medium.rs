@@ -1,6 +1,6 @@
 //! Media, their phase functions and volumes.
 
-use etendue_document::{Child, Class, Node, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Child, Class, List, Node, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
@@ -113,13 +113,13 @@ fn mixture(nodes: &mut Vec<Node>, index: usize) {
         let share = if sum > 0.0 { (sum - weight) / sum } else { 0.0 };
         let mut blend = Node {
             class: Class::Phase,
-            plugin: "blendphase".to_owned(),
+            plugin: "blendphase".into(),
             id: None,
             span,
-            parameters: Vec::new(),
-            children: vec![first, rest],
+            parameters: List::new(),
+            children: vec![first, rest].into(),
         };
-        blend.parameters = vec![parameter(&blend, "weight", Value::Float(share))];
+        blend.parameters = vec![parameter(&blend, "weight", Value::Float(share))].into();
         nodes.push(blend);
         rest = Child { name: None, node: NodeId(nodes.len() as u32 - 1), span };
     }
@@ -165,11 +165,11 @@ pub(super) fn old_boundary(nodes: &mut Vec<Node>, index: usize) {
     let span = node.span;
     let surface = Node {
         class: Class::Bsdf,
-        plugin: "null".to_owned(),
+        plugin: "null".into(),
         id: None,
         span,
-        parameters: Vec::new(),
-        children: Vec::new(),
+        parameters: List::new(),
+        children: List::new(),
     };
     nodes.push(surface);
     let child = Child { name: None, node: NodeId(nodes.len() as u32 - 1), span };
@@ -183,5 +183,5 @@ fn has(node: &Node, name: &str) -> bool {
 
 /// A parameter that stands for the whole node it was made from.
 fn parameter(origin: &Node, name: &str, value: Value) -> Parameter {
-    Parameter { name: name.to_owned(), original_name: name.to_owned(), value, span: origin.span }
+    Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
 }

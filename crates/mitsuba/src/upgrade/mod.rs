@@ -20,7 +20,7 @@ mod texture;
 
 use std::collections::HashMap;
 
-use etendue_document::{Class, Diagnostics, Node, Parameter, SourceId, Sources, Value};
+use etendue_document::{Class, Diagnostics, Names, Node, Parameter, SourceId, Sources, Value};
 
 use approximation::Approximations;
 
@@ -35,7 +35,8 @@ pub(crate) fn upgrade(
     diagnostics: &Diagnostics,
 ) {
     let mut approximations = Approximations::default();
-    nodes.iter_mut().for_each(names::upgrade);
+    let mut words = Names::default();
+    nodes.iter_mut().for_each(|node| names::upgrade(node, &mut words));
     for node in nodes.iter_mut().filter(|node| versions.get(&node.span.source) == Some(&0)) {
         bsdf::old_defaults(node);
         medium::old_defaults(node);

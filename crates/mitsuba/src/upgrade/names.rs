@@ -1,19 +1,19 @@
 //! Parameter names: camelCase, and names that have changed.
 
-use etendue_document::Node;
+use etendue_document::{Names, Node};
 
 use super::tables;
 
 /// Gives every parameter and child of a node its name of version 3.
-pub(super) fn upgrade(node: &mut Node) {
+pub(super) fn upgrade(node: &mut Node, names: &mut Names) {
     for parameter in &mut node.parameters {
         if let Some(name) = snake_case(&parameter.name) {
-            parameter.name = name;
+            parameter.name = names.name(&name);
         }
     }
     for child in &mut node.children {
         if let Some(name) = child.name.as_deref().and_then(snake_case) {
-            child.name = Some(name);
+            child.name = Some(names.name(&name));
         }
     }
     for (old, new) in tables::renamed_parameters(node.class, &node.plugin) {
@@ -29,11 +29,11 @@ fn rename(node: &mut Node, old: &str, new: &str) {
         return;
     }
     for parameter in node.parameters.iter_mut().filter(|parameter| parameter.name == old) {
-        parameter.name = new.to_owned();
+        parameter.name = new.into();
     }
     for child in &mut node.children {
         if child.name.as_deref() == Some(old) {
-            child.name = Some(new.to_owned());
+            child.name = Some(new.into());
         }
     }
 }

@@ -18,5 +18,5 @@ pub(super) fn upgrade(node: &mut Node, diagnostics: &Diagnostics) {
     }
     let message = format!("a `perspective` with `{}` is a `thinlens`", aperture.original_name);
     diagnostics.note(Fault::Approximation, aperture.span, message);
-    node.plugin = "thinlens".to_owned();
+    node.plugin = "thinlens".into();
 }

@@ -21,5 +21,5 @@ pub(super) fn dissolve_merges(nodes: &mut [Node], index: usize) {
             children.push(child.clone());
         }
     }
-    nodes[index].children = children;
+    nodes[index].children = children.into();
 }

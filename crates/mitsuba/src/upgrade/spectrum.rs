@@ -8,6 +8,9 @@ use super::{find, number};
 
 /// Makes values of a node's spectra.
 pub(super) fn inline(nodes: &mut [Node], index: usize) {
+    if !nodes[index].children.iter().any(|child| value(nodes, child.node).is_some()) {
+        return;
+    }
     let children = std::mem::take(&mut nodes[index].children);
     let (spectra, others): (Vec<_>, Vec<_>) =
         children.into_iter().partition(|child| value(nodes, child.node).is_some());
@@ -18,7 +21,7 @@ pub(super) fn inline(nodes: &mut [Node], index: usize) {
             nodes[index].parameters.push(Parameter { name, original_name, value, span });
         }
     }
-    nodes[index].children = others;
+    nodes[index].children = others.into();
 }
 
 /// The value of a spectrum; `None` of anything else, and where it does not say enough.

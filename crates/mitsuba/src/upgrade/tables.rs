@@ -111,19 +111,19 @@ static RENAMED_PLUGINS: &[(Class, &str, &str)] = &[
 
 /// Gives a plugin its name of today.
 pub(super) fn rename_plugin(node: &mut Node) {
-    let same = |rule: &&(Class, &str, &str)| rule.0 == node.class && rule.1 == node.plugin;
+    let same = |rule: &&(Class, &str, &str)| rule.0 == node.class && node.plugin == rule.1;
     if let Some((_, _, new)) = RENAMED_PLUGINS.iter().find(same) {
-        node.plugin = (*new).to_owned();
+        node.plugin = (*new).into();
     }
 }
 
 /// Puts the nearest plugin in the place of one that this version lacks.
 pub(super) fn approximate_plugin(node: &mut Node, approximations: &mut Approximations) {
-    let rule = APPROXIMATED.iter().find(|rule| rule.class == node.class && rule.old == node.plugin);
+    let rule = APPROXIMATED.iter().find(|rule| rule.class == node.class && node.plugin == rule.old);
     if let Some(rule) = rule {
         let message = format!("`{}` is rendered as `{}`, {}", rule.old, rule.new, rule.loss);
         approximations.add(message, node.span);
-        node.plugin = rule.new.to_owned();
+        node.plugin = rule.new.into();
         if node.class == Class::Integrator {
             // The others steer what is not there any more.
             node.parameters.retain(|p| KEPT_INTEGRATOR_PARAMETERS.contains(&&*p.name));

@@ -24,16 +24,17 @@ pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
 
 /// The colours of vertices are an attribute of their mesh like any other.
 fn vertex_colours(node: &mut Node) {
-    node.parameters = vec![parameter(node, "name", Value::String("vertex_color".to_owned()))];
-    "mesh_attribute".clone_into(&mut node.plugin);
+    node.parameters =
+        vec![parameter(node, "name", Value::String("vertex_color".to_owned()))].into();
+    node.plugin = "mesh_attribute".into();
 }
 
 /// Edges cannot be told from texture coordinates: what remains is the colour between them.
 fn wireframe(node: &mut Node, approximations: &mut Approximations) {
     node.parameters.retain(|parameter| parameter.name == "interior_color");
     node.children.retain(|child| child.name.as_deref() == Some("interior_color"));
-    node.parameters.iter_mut().for_each(|parameter| "color0".clone_into(&mut parameter.name));
-    node.children.iter_mut().for_each(|child| child.name = Some("color0".to_owned()));
+    node.parameters.iter_mut().for_each(|parameter| parameter.name = "color0".into());
+    node.children.iter_mut().for_each(|child| child.name = Some("color0".into()));
     if node.parameters.is_empty() && node.children.is_empty() {
         node.parameters.push(parameter(node, "color0", Value::Float(0.5)));
     }
@@ -44,7 +45,7 @@ fn wireframe(node: &mut Node, approximations: &mut Approximations) {
 
 /// Curvature is a picture of numbers that nothing here computes.
 fn curvature(node: &mut Node, approximations: &mut Approximations) {
-    node.parameters = vec![parameter(node, "color0", Value::Float(0.5))];
+    node.parameters = vec![parameter(node, "color0", Value::Float(0.5))].into();
     node.children.clear();
     without_lines(node);
     approximations.add("a `curvature` texture is rendered as grey", node.span);
@@ -54,12 +55,12 @@ fn curvature(node: &mut Node, approximations: &mut Approximations) {
 fn without_lines(node: &mut Node) {
     let width = parameter(node, "line_width", Value::Float(0.0));
     node.parameters.push(width);
-    "gridtexture".clone_into(&mut node.plugin);
+    node.plugin = "gridtexture".into();
 }
 
 /// A parameter that stands for the whole node.
 fn parameter(node: &Node, name: &str, value: Value) -> Parameter {
-    Parameter { name: name.to_owned(), original_name: name.to_owned(), value, span: node.span }
+    Parameter { name: name.into(), original_name: name.into(), value, span: node.span }
 }
 
 /// `uscale`, `vscale`, `uoffset`, `voffset` become `to_uv`: scaled first, then moved, as version
@@ -82,13 +83,13 @@ fn coordinates(node: &mut Node) {
     };
     let matrix = DMat4::from_translation(offset) * DMat4::from_scale(scale);
     let outer = match take(node, "to_uv").map(|parameter| parameter.value) {
-        Some(Value::Transform(outer)) => outer,
+        Some(Value::Transform(outer)) => outer.into(),
         _ => DMat4::IDENTITY,
     };
     node.parameters.push(Parameter {
-        name: "to_uv".to_owned(),
-        original_name: "to_uv".to_owned(),
-        value: Value::Transform(outer * matrix),
+        name: "to_uv".into(),
+        original_name: "to_uv".into(),
+        value: Value::transform(outer * matrix),
         span,
     });
 }
@@ -118,7 +119,7 @@ fn wrapping(node: &mut Node, approximations: &mut Approximations) {
         approximations.add(message, v.span);
     }
     if let Some(mode) = u.or(v) {
-        node.parameters.push(Parameter { name: "wrap_mode".to_owned(), ..mode });
+        node.parameters.push(Parameter { name: "wrap_mode".into(), ..mode });
     }
     replace_text(node, "wrap_mode", |mode| match mode {
         "zero" | "one" | "black" | "white" => {
@@ -140,8 +141,8 @@ fn gamma(node: &mut Node, approximations: &mut Approximations) {
     if gamma == 1.0 {
         if find(node, "raw").is_none() {
             node.parameters.push(Parameter {
-                name: "raw".to_owned(),
-                original_name: "gamma".to_owned(),
+                name: "raw".into(),
+                original_name: "gamma".into(),
                 value: Value::Boolean(true),
                 span,
             });

@@ -12,7 +12,7 @@ fn named(name: &str, operations: &str) -> DMat4 {
         "<shape type='x'><transform name='{name}'>{operations}</transform></shape>"
     ));
     match value(object(&document, 0), name) {
-        Value::Transform(matrix) => *matrix,
+        Value::Transform(affine) => (*affine).into(),
         other => panic!("{other:?}"),
     }
 }
@@ -124,7 +124,7 @@ fn what_does_nothing_is_a_warning() {
             <translate w='1'/></transform></shape>",
     );
     assert_eq!(loaded.findings(), [(Warning, BadValue, 3), (Warning, UnknownParameter, 4)]);
-    let expected = Value::Transform(DMat4::IDENTITY);
+    let expected = Value::transform(DMat4::IDENTITY);
     assert_eq!(value(object(&loaded.document, 0), "to_world"), &expected);
 }
 

@@ -124,7 +124,7 @@ fn texture_coordinates_are_scaled_then_moved() {
     let Value::Transform(matrix) = value(object(&document, 1), "to_uv") else { panic!() };
     let expected =
         DMat4::from_scale(DVec3::splat(2.0)) * DMat4::from_translation(DVec3::new(0.0, 0.25, 0.0));
-    assert_eq!(*matrix, expected, "what stands there already comes after");
+    assert_eq!(DMat4::from(*matrix), expected, "what stands there already comes after");
 }
 
 #[test]

@@ -87,12 +87,13 @@ impl<'a> Assets<'a> {
 
     /// Builds the geometry of all shapes and decodes all pictures, several at once.
     pub(super) fn load(&self) -> Loaded<'_> {
-        let nodes: Vec<NodeId> = (0..self.document.nodes.len() as u32).map(NodeId).collect();
+        let all = (0..self.document.nodes.len() as u32).map(NodeId);
+        let nodes: Vec<NodeId> = all.filter(|&node| self.is_loaded(node)).collect();
         let items: Vec<(NodeId, Item<'_>)> = nodes
             .par_iter()
             // Sizes differ by a thousand: each item is stolen alone.
             .with_max_len(1)
-            .filter_map(|&node| Some((node, self.load_node(node)?)))
+            .map(|&node| (node, self.load_node(node)))
             .collect();
         let mut loaded = Loaded { geometry: HashMap::new(), textures: HashMap::new() };
         for (node, item) in items {
@@ -104,31 +105,35 @@ impl<'a> Assets<'a> {
         loaded
     }
 
-    fn load_node(&self, id: NodeId) -> Option<Item<'_>> {
+    /// Whether a node is built ahead of what holds it: shapes with geometry of their own, pictures.
+    fn is_loaded(&self, id: NodeId) -> bool {
         let node = self.document.node(id);
-        let parameters = || self.document.parameters(id, self.diagnostics);
         match (node.class, node.plugin.as_str()) {
             // The lack of a type has been reported where the text was read.
-            (_, "") => None,
+            (_, "") => false,
             (Class::Shape, plugin) => {
-                let composite = registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
-                if composite {
-                    return None;
-                }
-                let parameters = parameters();
+                !registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin)
+            }
+            (Class::Texture, plugin) => plugin == "bitmap",
+            _ => false,
+        }
+    }
+
+    fn load_node(&self, id: NodeId) -> Item<'_> {
+        let parameters = self.document.parameters(id, self.diagnostics);
+        match parameters.class() {
+            Class::Texture => {
+                let texture = bitmap::load(self, &parameters).map(Texture::Bitmap);
+                Item::Texture(Decoded { parameters, texture })
+            }
+            _ => {
                 let build = find(registry::SHAPES, &parameters);
                 let geometry = build.and_then(|build| build(self, &parameters));
                 if let Some(geometry) = &geometry {
                     self.check_extent(geometry, parameters.span());
                 }
-                Some(Item::Shape(LoadedShape { parameters, geometry }))
+                Item::Shape(LoadedShape { parameters, geometry })
             }
-            (Class::Texture, "bitmap") => {
-                let parameters = parameters();
-                let texture = bitmap::load(self, &parameters).map(Texture::Bitmap);
-                Some(Item::Texture(Decoded { parameters, texture }))
-            }
-            _ => None,
         }
     }
 
@@ -179,11 +184,17 @@ impl<'a> Assets<'a> {
 
     /// Reports a shape without any surface, and one that reaches beyond all numbers.
     pub(super) fn check_extent(&self, geometry: &Geometry, span: Span) {
-        let Bounds3 { min, max } = geometry.bounds();
         if geometry.primitive_count() == 0 {
             let message = "this mesh has no triangles: there is nothing of it to be seen";
             self.diagnostics.warning(Fault::Geometry, span, message);
-        } else if !(min.is_finite() && max.is_finite()) {
+        } else {
+            self.check_bounds(&geometry.bounds(), span);
+        }
+    }
+
+    /// Reports a shape that reaches beyond all numbers.
+    pub(super) fn check_bounds(&self, bounds: &Bounds3, span: Span) {
+        if !(bounds.min.is_finite() && bounds.max.is_finite()) {
             let message = "this shape reaches beyond what single precision can hold";
             self.diagnostics.error(Fault::Geometry, span, message);
         }
@@ -241,7 +252,9 @@ impl<'a> Assets<'a> {
     pub(super) fn content_hash(&self) -> [u8; 32] {
         let mut hasher = blake3::Hasher::new();
         for source in self.document.sources.iter() {
-            hasher.update(source.text().as_bytes());
+            for piece in source.pieces() {
+                hasher.update(&piece);
+            }
         }
         for hash in self.hashes.lock().unwrap_or_else(PoisonError::into_inner).values() {
             hasher.update(hash.as_bytes());

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 type LoadedShapes<'a> = HashMap<NodeId, LoadedShape<'a>>;
 
 impl<'a> Builder<'a> {
-    /// All shapes of the scene: those that stand alone, then instances, then those within groups.
+    /// All shapes of the scene, those that stand alone, then those within groups; and instances.
     pub(super) fn shapes(&mut self, root: &Parameters<'_>, mut loaded: LoadedShapes<'a>) -> Parts {
         let mut parts = Parts::default();
         let children = root.children_of(Class::Shape);
@@ -103,14 +103,14 @@ impl<'a> Builder<'a> {
                 self.assets.diagnostics.error(Fault::Geometry, span, message);
                 continue;
             }
-            placed.push((group, to_world, span));
+            parts.instances.push(Instance::new(group, &to_world));
+            placed.push(node);
         }
-        let first_grouped = (parts.shapes.len() + placed.len()) as u32;
-        let mut first = first_grouped;
+        let mut first = parts.shapes.len() as u32;
         for Parts { shapes, boundaries, .. } in &grouped {
             let in_scene = |id: ShapeId| ShapeId(first + id.0);
             parts.boundaries.extend(boundaries.iter().map(|&(id, media)| (in_scene(id), media)));
-            match build_tree(shapes, &[], self.options.tier) {
+            match build_tree(shapes, (&[], &[]), self.options.tier) {
                 Ok(bvh) => {
                     parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) })
                 }
@@ -121,12 +121,9 @@ impl<'a> Builder<'a> {
             }
             first += shapes.len() as u32;
         }
-        let material = self.default_material();
-        for (group, to_world, span) in placed {
-            let instance = Instance::new(group, &parts.groups[group.index()], to_world);
-            let geometry = Geometry::Instance(instance);
-            self.assets.check_extent(&geometry, span);
-            parts.shapes.push(Shape { geometry, material, emitter: None });
+        for (instance, node) in parts.instances.iter().zip(placed) {
+            let bounds = instance.bounds(&parts.groups[instance.group.index()]);
+            self.assets.check_bounds(&bounds, self.assets.document.node(node).span);
         }
         parts.top_level_shapes = Some(parts.shapes.len());
         parts.shapes.extend(grouped.into_iter().flat_map(|members| members.shapes));

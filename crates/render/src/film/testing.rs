@@ -2,8 +2,8 @@
 
 use crate::builder::{Assets, BuildOptions, Builder};
 use etendue_document::{
-    Child, Class, Diagnostic, Diagnostics, Document, MemoryResources, Node, NodeId, Parameter,
-    Parameters, Resolver, SourceId, Sources, Span, Value,
+    Child, Class, Diagnostic, Diagnostics, Document, List, MemoryResources, Node, NodeId,
+    Parameter, Parameters, Resolver, SourceId, Sources, Span, Value,
 };
 use std::collections::BTreeSet;
 
@@ -33,8 +33,8 @@ impl TestNode {
         let root = &mut self.document.nodes[0];
         let place = root.parameters.len() + 1;
         root.parameters.push(Parameter {
-            name: name.to_owned(),
-            original_name: name.to_owned(),
+            name: name.into(),
+            original_name: name.into(),
             value,
             span: Span::new(self.source, place..place + 1),
         });
@@ -100,6 +100,6 @@ impl TestNode {
 }
 
 fn node(class: Class, plugin: &str, span: Span) -> Node {
-    let plugin = plugin.to_owned();
-    Node { class, plugin, id: None, span, parameters: Vec::new(), children: Vec::new() }
+    let plugin = plugin.into();
+    Node { class, plugin, id: None, span, parameters: List::new(), children: List::new() }
 }

@@ -4,7 +4,7 @@ mod lanes;
 
 pub use lanes::{SurfaceBlock, SurfaceLanes};
 
-use crate::ids::ShapeId;
+use crate::ids::{InstanceId, ShapeId};
 use etendue_math::{Frame, Ray, offset_ray_origin};
 use glam::{Vec2, Vec3};
 
@@ -36,8 +36,8 @@ pub struct SurfaceInteraction {
     pub primitive: u32,
     /// Barycentric coordinates of the second and third vertex, where the primitive is a triangle.
     pub barycentric: Vec2,
-    /// The instance shape through which the shape was hit.
-    pub instance: Option<ShapeId>,
+    /// The instance through which the shape was hit.
+    pub instance: Option<InstanceId>,
 }
 
 impl SurfaceInteraction {

@@ -29,7 +29,7 @@ fn build(node: &TestNode, plugin: &str, film: UVec2) -> Option<Sensor> {
 
 fn node(plugin: &str, scale: DVec3) -> TestNode {
     let node = TestNode::new(Class::Sensor, plugin);
-    node.with("to_world", Value::Transform(to_world(scale)))
+    node.with("to_world", Value::transform(to_world(scale)))
 }
 
 /// One recorded ray.

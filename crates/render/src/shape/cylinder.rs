@@ -167,7 +167,7 @@ mod tests {
     use glam::DMat4;
 
     fn node(to_world: DMat4) -> TestNode {
-        TestNode::new(Class::Shape, "cylinder").with("to_world", Value::Transform(to_world))
+        TestNode::new(Class::Shape, "cylinder").with("to_world", Value::transform(to_world))
     }
 
     /// Read from Mitsuba 3.9.1: the point, its coordinates, the normal and ∂point/∂u.

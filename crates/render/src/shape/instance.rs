@@ -18,33 +18,45 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<scene><shape type="shapegroup" id="grove"><shape type="sphere"/></shape><shape type="instance"><ref id="grove"/><transform name="to_world"><translate x="5"/></transform></shape></scene>"#,
 };
 
-/// A placed group.
+/// A placed group. There may be millions, so that it is as small as can be: both maps without the
+/// padding that arithmetic likes.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {
     /// What is placed.
     pub group: GroupId,
-    /// The group's space to the world.
-    pub to_world: Transform,
-    bounds: Bounds3,
+    to_world: [Vec3; 4],
+    to_local: [Vec3; 4],
 }
 
 impl Instance {
     /// Places a group.
     #[must_use]
-    pub fn new(id: GroupId, group: &Group, to_world: Transform) -> Self {
-        Self { group: id, to_world, bounds: to_world.bounds(&group.bvh.bounds()) }
+    pub fn new(group: GroupId, to_world: &Transform) -> Self {
+        let [to_world, to_local] = [to_world.affine(), to_world.inverse_affine()].map(|map| {
+            let matrix = map.matrix3;
+            [matrix.x_axis, matrix.y_axis, matrix.z_axis, map.translation].map(Vec3::from)
+        });
+        Self { group, to_world, to_local }
     }
 
-    /// The box around the placed group.
+    /// The group's space to the world.
     #[must_use]
-    pub fn bounds(&self) -> Bounds3 {
-        self.bounds
+    pub fn to_world(&self) -> Transform {
+        let [to_world, to_local] = [self.to_world, self.to_local]
+            .map(|[x, y, z, w]| Affine3A::from_cols(x.into(), y.into(), z.into(), w.into()));
+        Transform::from_inverses(to_world, to_local)
+    }
+
+    /// The box around the group when it is placed.
+    #[must_use]
+    pub fn bounds(&self, group: &Group) -> Bounds3 {
+        self.to_world().bounds(&group.bvh.bounds())
     }
 
     /// Takes an interaction from the group's space to the world. `direction` is that of the world ray.
     #[must_use]
     pub fn place(&self, local: SurfaceInteraction, direction: Vec3) -> SurfaceInteraction {
-        let to_world = &self.to_world;
+        let to_world = &self.to_world();
         let unit = |normal: Vec3| to_world.normal(normal).normalize_or(Vec3::Z);
         let dp_du = to_world.vector(local.dp_du);
         let shading = Frame::from_normal_and_tangent(unit(local.shading.n), dp_du);

@@ -68,8 +68,6 @@ pub enum Geometry {
     Ellipsoids(Box<ellipsoids::Ellipsoids>),
     /// A cloud of ellipsoids in shells of triangles.
     EllipsoidsMesh(Box<ellipsoidsmesh::EllipsoidsMesh>),
-    /// A shape group placed in the scene.
-    Instance(instance::Instance),
 }
 
 /// Where on a surface a ray arrives, before the frame and coordinates that the caller may not need.
@@ -168,16 +166,14 @@ impl Geometry {
             | Self::EllipsoidsMesh(_) => {
                 self.primitive_boxes().into_iter().fold(Bounds3::EMPTY, Bounds3::union)
             }
-            Self::Instance(instance) => instance.bounds(),
         }
     }
 
-    /// The boxes around the primitives that the shape intersects itself; none for triangles and
-    /// instances.
+    /// The boxes around the primitives that the shape intersects itself; none for triangles.
     #[must_use]
     pub fn primitive_boxes(&self) -> Vec<Bounds3> {
         match self {
-            Self::Mesh(_) | Self::Instance(_) => Vec::new(),
+            Self::Mesh(_) => Vec::new(),
             Self::LinearCurve(curve) => curve.boxes(),
             Self::BSplineCurve(curve) => curve.boxes(),
             Self::SdfGrid(grid) => grid.boxes(),
@@ -212,7 +208,6 @@ impl Geometry {
             Self::EllipsoidsMesh(cloud) => {
                 cloud.surface_point(hit.primitive, Vec2::new(hit.u, hit.v))
             }
-            Self::Instance(_) => SurfacePoint::NOWHERE,
         }
     }
 
@@ -264,7 +259,7 @@ impl Shape {
         self.geometry.bounds()
     }
 
-    /// The area of the surface; zero for instances, curves, distances on a grid and clouds
+    /// The area of the surface; zero for curves, distances on a grid and clouds
     /// of ellipsoids, which are not sampled as lights.
     #[must_use]
     pub fn area(&self) -> f32 {
@@ -278,8 +273,7 @@ impl Shape {
             | Geometry::BSplineCurve(_)
             | Geometry::SdfGrid(_)
             | Geometry::Ellipsoids(_)
-            | Geometry::EllipsoidsMesh(_)
-            | Geometry::Instance(_) => 0.0,
+            | Geometry::EllipsoidsMesh(_) => 0.0,
         }
     }
 
@@ -296,8 +290,7 @@ impl Shape {
             | Geometry::BSplineCurve(_)
             | Geometry::SdfGrid(_)
             | Geometry::Ellipsoids(_)
-            | Geometry::EllipsoidsMesh(_)
-            | Geometry::Instance(_) => None,
+            | Geometry::EllipsoidsMesh(_) => None,
         }
     }
 
@@ -359,15 +352,4 @@ impl SurfacePoint {
         let Self { point, error, normal, shading_normal, uv, dp_du, dp_dv } = self;
         Self { point, error, normal, shading_normal, uv, dp_du, dp_dv }
     }
-
-    /// A placeholder for what no ray can hit directly.
-    const NOWHERE: Self = Self {
-        point: Vec3::ZERO,
-        error: Vec3::ZERO,
-        normal: Vec3::Z,
-        shading_normal: Vec3::Z,
-        uv: Vec2::ZERO,
-        dp_du: Vec3::X,
-        dp_dv: Vec3::Y,
-    };
 }

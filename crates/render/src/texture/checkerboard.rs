@@ -120,7 +120,7 @@ mod tests {
     fn colours_are_read_and_repeated_by_the_transform() {
         let scale = DMat4::from_scale(DVec3::new(2.0, 4.0, 1.0));
         let node = TestNode::new(Class::Texture, "checkerboard").float("color0", 0.9);
-        let node = node.with("to_uv", Value::Transform(scale));
+        let node = node.with("to_uv", Value::transform(scale));
         let texture = node.build_cleanly(build);
         let none = Textures(&[]);
         let at = |u, v| {

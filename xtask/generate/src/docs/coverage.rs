@@ -140,7 +140,7 @@ fn upgraded(theirs: &Theirs) -> Option<String> {
     if *class == "spectrum" {
         node = document.node(node.children.first()?.node);
     }
-    Some(node.plugin.clone())
+    Some(node.plugin.to_string())
 }
 
 impl Fate {

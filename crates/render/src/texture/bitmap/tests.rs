@@ -194,7 +194,7 @@ fn a_file_is_read_with_its_options() {
     let matrix = DMat4::from_translation(DVec3::new(0.5, 0.0, 0.0));
     let options = node
         .with("raw", Value::Boolean(true))
-        .with("to_uv", Value::Transform(matrix))
+        .with("to_uv", Value::transform(matrix))
         .string("filter_type", "nearest")
         .string("wrap_mode", "mirror")
         .string("format", "fp16");
@@ -217,7 +217,7 @@ fn what_is_wrong_with_a_file_is_told_by_fault() {
         (
             node()
                 .string("filename", "picture.png")
-                .with("to_uv", Value::Transform(DMat4::from_scale(DVec3::splat(f64::NAN)))),
+                .with("to_uv", Value::transform(DMat4::from_scale(DVec3::splat(f64::NAN)))),
             Fault::BadValue,
         ),
     ];

@@ -1,0 +1,116 @@
+//! Words that a document says again and again, each kept once.
+
+use std::borrow::Borrow;
+use std::collections::HashSet;
+use std::fmt;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// A word of a document: the name of a plugin, a parameter, an object. Eight bytes and shared, as a
+/// scene may say `to_world` a million times.
+///
+/// `Arc<str>` would be sixteen bytes, and a document of instances is made of little else than names.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Name(Arc<Box<str>>);
+
+impl Name {
+    /// The word.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl Default for Name {
+    fn default() -> Self {
+        Self::from("")
+    }
+}
+
+impl Deref for Name {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl AsRef<str> for Name {
+    fn as_ref(&self) -> &str {
+        &self.0
+    }
+}
+
+/// Its hash and order are those of the word.
+impl Borrow<str> for Name {
+    fn borrow(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<&str> for Name {
+    fn from(word: &str) -> Self {
+        Self(Arc::new(word.into()))
+    }
+}
+
+impl From<String> for Name {
+    fn from(word: String) -> Self {
+        Self(Arc::new(word.into()))
+    }
+}
+
+impl PartialEq<str> for Name {
+    fn eq(&self, word: &str) -> bool {
+        self.as_str() == word
+    }
+}
+
+impl PartialEq<&str> for Name {
+    fn eq(&self, word: &&str) -> bool {
+        self.as_str() == *word
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self.as_str(), formatter)
+    }
+}
+
+impl fmt::Debug for Name {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self.as_str(), formatter)
+    }
+}
+
+/// The names that a reader has met, so that each is kept once.
+#[derive(Debug, Default)]
+pub struct Names {
+    known: HashSet<Name>,
+}
+
+impl Names {
+    /// The name for a word: the one that was given out before, if there is one.
+    pub fn name(&mut self, word: &str) -> Name {
+        if let Some(name) = self.known.get(word) {
+            return name.clone();
+        }
+        let name = Name::from(word);
+        self.known.insert(name.clone());
+        name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_is_kept_once() {
+        let mut names = Names::default();
+        let [first, second, other] = ["to_world", "to_world", "toWorld"].map(|w| names.name(w));
+        assert!(Arc::ptr_eq(&first.0, &second.0));
+        assert!(first == second && first != other && first == "to_world");
+        assert_eq!(size_of::<Option<Name>>(), 8);
+    }
+}

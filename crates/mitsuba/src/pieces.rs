@@ -1,0 +1,249 @@
+//! Long texts are parsed piece by piece, so that the parser's tree never stands beside all of the
+//! document that is made of it.
+//!
+//! A piece is some elements right inside the `<scene>`, wrapped in its opening and closing tag. The
+//! parser sees a file of its own, with the same namespaces, and what it finds wrong is the same.
+
+use std::ops::Range;
+
+use etendue_document::{Fault, SourceId, Span};
+
+use crate::loader::Loader;
+use crate::scan::{self, Outline};
+use crate::syntax::{self, SyntaxError};
+
+/// Where in a file the text stands that the parser has been given.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Origin {
+    source: SourceId,
+    /// Bytes of the opening tag in front.
+    wrapper: usize,
+    /// Where that tag stands in the file.
+    root: usize,
+    /// Where the rest starts in the file.
+    start: usize,
+}
+
+impl Origin {
+    /// The place in the file of what the parser has found.
+    pub(crate) fn span(&self, range: Range<usize>) -> Span {
+        let place = |offset: usize| match offset.checked_sub(self.wrapper) {
+            Some(offset) => self.start + offset,
+            None => self.root + offset,
+        };
+        Span::new(self.source, place(range.start)..place(range.end))
+    }
+}
+
+/// A piece of a text, and where it is.
+struct Piece {
+    range: Range<usize>,
+    is_first: bool,
+    is_last: bool,
+}
+
+/// The pieces of a text; one, unless it is a long scene.
+fn pieces(text: &str, outline: &Outline) -> Vec<Piece> {
+    let is_scene = text[outline.root.clone()].strip_prefix("<scene").is_some_and(|rest| {
+        rest.starts_with(|next: char| next == '>' || next.is_ascii_whitespace())
+    });
+    let breaks = if is_scene { outline.breaks.as_slice() } else { &[] };
+    let starts = std::iter::once(0).chain(breaks.iter().copied());
+    let ends = breaks.iter().copied().chain([text.len()]);
+    let piece = |(start, end)| Piece {
+        range: start..end,
+        is_first: start == 0,
+        is_last: end == text.len(),
+    };
+    starts.zip(ends).map(piece).collect()
+}
+
+/// Puts the root's tags around a piece that lacks them.
+fn wrap(text: &str, outline: &Outline, piece: &Piece, wrapped: &mut String) {
+    wrapped.clear();
+    if !piece.is_first {
+        wrapped.push_str(&text[outline.root.clone()]);
+    }
+    wrapped.push_str(&text[piece.range.clone()]);
+    if !piece.is_last {
+        wrapped.push_str("</scene>");
+    }
+}
+
+impl Loader<'_> {
+    /// Parses a text that has been kept and hands its root on, with a part of what is in it at a
+    /// time, and whether that is the first; reports what is wrong with it before anything is handed
+    /// on.
+    pub(crate) fn for_each_piece(
+        &mut self,
+        source: SourceId,
+        mut then: impl FnMut(&mut Self, roxmltree::Node<'_, '_>, bool),
+    ) {
+        let Some(text) = self.sources.get(source).map(etendue_document::Source::text) else {
+            return;
+        };
+        let limits = &self.options.limits;
+        let outline = match scan::scan(&text, limits) {
+            Ok(outline) => outline,
+            Err(refused) => {
+                let span = Span::new(source, refused.range);
+                self.diagnostics.error(refused.fault, span, refused.message);
+                return;
+            }
+        };
+        let pieces = pieces(&text, &outline);
+        let outer = self.origin;
+        let mut wrapped = String::new();
+        // Twice where there are several: nothing is made of a file that is no XML.
+        for is_trial in [true, false].into_iter().skip(usize::from(pieces.len() == 1)) {
+            for piece in &pieces {
+                let parsed = if pieces.len() == 1 {
+                    &*text
+                } else {
+                    wrap(&text, &outline, piece, &mut wrapped);
+                    &*wrapped
+                };
+                let wrapper = if piece.is_first { 0 } else { outline.root.len() };
+                let (root, start) = (outline.root.start, piece.range.start);
+                let origin = Origin { source, wrapper, root, start };
+                match self.parse_piece(parsed, piece) {
+                    Ok(_) if is_trial => {}
+                    Ok(document) => {
+                        self.origin = origin;
+                        then(self, document.root_element(), piece.is_first);
+                    }
+                    Err(error) => {
+                        self.diagnostics.error(
+                            error.fault,
+                            origin.span(error.range),
+                            error.message,
+                        );
+                        self.origin = outer;
+                        return;
+                    }
+                }
+            }
+        }
+        self.origin = outer;
+    }
+
+    /// Parses a piece, unless it is too large to be parsed at once.
+    fn parse_piece<'a>(
+        &self,
+        text: &'a str,
+        piece: &Piece,
+    ) -> Result<roxmltree::Document<'a>, SyntaxError> {
+        let limits = &self.options.limits;
+        if text.len() > limits.object_bytes.saturating_add(2 * scan::PIECE) {
+            let message = format!("an object here takes more than {} bytes", limits.object_bytes);
+            let start = text.len() - piece.range.len();
+            return Err(SyntaxError { fault: Fault::Limit, message, range: start..start + 1 });
+        }
+        syntax::parse(text, limits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use etendue_document::{Diagnostics, Document, MemoryResources};
+
+    use super::*;
+    use crate::{LoadOptions, load_str};
+
+    /// Several pieces of shapes, with `last` after all of them.
+    fn long_scene(last: &str) -> String {
+        let mut text = "<?xml version='1.0'?>\n<scene version='3.0.0'>\n".to_owned();
+        text.push_str("<shape type='shapegroup' id='größe'><shape type='cube'/></shape>\n");
+        for index in 0..3 * scan::PIECE / 60 {
+            text.push_str(&format!(
+                "<shape type='instance'><ref id='größe'/><float name='x' value='{index}'/></shape>\n"
+            ));
+        }
+        text + last
+    }
+
+    fn load(text: &str) -> (Option<Document>, Vec<(String, String)>) {
+        let diagnostics = Diagnostics::new();
+        let options = LoadOptions::default();
+        let document = load_str(text, &MemoryResources::default(), &options, &diagnostics);
+        let words = |found: &etendue_document::Diagnostic| {
+            let span = found.span.unwrap();
+            (found.message.clone(), text[span.start as usize..span.end as usize].to_owned())
+        };
+        let found = diagnostics.sorted().iter().map(words).collect();
+        (document, found)
+    }
+
+    #[test]
+    fn a_long_scene_is_taken_apart_between_its_objects() {
+        let text = long_scene("</scene>");
+        let outline = scan::scan(&text, &crate::Limits::default()).unwrap();
+        let pieces = pieces(&text, &outline);
+        assert!(pieces.len() >= 3, "{}", pieces.len());
+        assert_eq!(&text[outline.root], "<scene version='3.0.0'>");
+        for (piece, next) in pieces.iter().zip(&pieces[1..]) {
+            assert!(text[piece.range.clone()].ends_with("</shape>"));
+            assert_eq!(piece.range.end, next.range.start);
+        }
+    }
+
+    #[test]
+    fn every_object_of_a_long_scene_is_read_once_and_knows_its_place() {
+        let text = long_scene("<bsdf type='diffuse' id='last'/></scene>");
+        let (document, found) = load(&text);
+        assert_eq!(found, []);
+        let document = document.unwrap();
+        let scene = document.node(document.root);
+        assert_eq!(scene.children.len(), text.matches("\n<").count() - 1);
+        for (child, line) in scene.children.iter().zip(text.lines().skip(2)) {
+            let node = document.node(child.node);
+            let place = node.span.start as usize..node.span.end as usize;
+            assert!(line.starts_with(&text[place]), "{line}");
+            if let [parameter] = &*node.parameters {
+                let place = parameter.span.start as usize..parameter.span.end as usize;
+                assert!(line.contains(&text[place]), "{line}");
+                assert_eq!(node.children[0].node.index(), 1);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_long_scene_is_said_as_of_a_short_one() {
+        let cases = [
+            (
+                "<bsdf type='diffuse'></shape></scene>",
+                "`</shape>` where `</bsdf>` is expected",
+                "<",
+            ),
+            ("<bsdf type='diffuse'>", "the file ends before this element is closed", "<bsdf"),
+            ("", "the file ends before this element is closed", "<scene"),
+            ("</scene><scene/>", "a file is one element, with nothing but comments around it", "<"),
+            ("<x:b/></scene>", "", ""),
+        ];
+        for (last, message, place) in cases {
+            let short = load(&format!("<?xml version='1.0'?>\n<scene version='3.0.0'>\n{last}"));
+            let (document, found) = load(&long_scene(last));
+            assert!(document.is_none(), "{last}");
+            assert_eq!(found, short.1, "{last}");
+            assert!(found[0].0.contains(message) && found[0].1.starts_with(place), "{found:?}");
+        }
+        let (document, found) = load(&long_scene("words <nothing/></scene>"));
+        assert!(document.is_some());
+        let words: Vec<&str> = found.iter().map(|(_, word)| word.as_str()).collect();
+        assert_eq!(words, ["words", "<nothing"]);
+    }
+
+    #[test]
+    fn what_is_parsed_at_once_is_bounded() {
+        let options = LoadOptions {
+            limits: crate::Limits { object_bytes: 100, ..crate::Limits::default() },
+            ..LoadOptions::default()
+        };
+        let inside = "<float name='x' value='1'/>".repeat(4 * scan::PIECE / 27);
+        let text = format!("<scene>\n<shape type='cube'>{inside}</shape></scene>");
+        let diagnostics = Diagnostics::new();
+        load_str(&text, &MemoryResources::default(), &options, &diagnostics);
+        let found = diagnostics.sorted();
+        assert_eq!((found.len(), found[0].fault), (1, Fault::Limit));
+    }
+}
