@@ -50,6 +50,18 @@ impl Names {
         (geometry, name - self.first[geometry as usize])
     }
 
+    /// A number such that just the lower ones are those of triangles before this primitive, in the
+    /// order (geometry, primitive): a triangle's own.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "for packets"))]
+    pub(crate) fn bound(&self, geometry: u32, primitive: u32) -> u32 {
+        let end = match self.first.get(geometry as usize + 1) {
+            Some(&next) => next,
+            None => self.geometries.len() as u32 * CHUNK,
+        };
+        // User primitives have no numbers, and their geometry ends where it begins.
+        self.first[geometry as usize].saturating_add(primitive).min(end)
+    }
+
     /// The memory that the tables hold.
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(self.first.as_slice()) + size_of_val(self.geometries.as_slice())
@@ -71,6 +83,8 @@ mod tests {
         };
         let views: Vec<GeometryView<'_>> = counts.iter().map(view).collect();
         let names = Names::new(&views).expect("few");
+        // Before any triangle of the next geometry that has some.
+        assert_eq!([0, 7].map(|primitive| names.bound(4, primitive)), [names.name(5, 0); 2]);
         let mut last = None;
         for (geometry, &count) in (0_u32..).zip(&counts) {
             for triangle in 0..count as u32 {
@@ -78,6 +92,7 @@ mod tests {
                 assert!(last.is_none_or(|last| name > last));
                 last = Some(name);
                 assert_eq!(names.resolve(name), (geometry, triangle));
+                assert_eq!(names.bound(geometry, triangle), name);
             }
         }
     }

@@ -53,9 +53,9 @@ pub(crate) struct Candidates<S: Simd> {
 }
 
 /// Below this determinant the edge functions lose digits, or all, to underflow.
-const LEAST_SOUND: f32 = 1e-30;
+pub(crate) const LEAST_SOUND: f32 = 1e-30;
 /// Above this one its inverse does.
-const GREATEST_SOUND: f32 = 1e37;
+pub(crate) const GREATEST_SOUND: f32 = 1e37;
 
 /// Tests a block against the ray; `None` where the ray passes outside of all lanes.
 #[inline(always)]
@@ -141,7 +141,12 @@ fn edge_function<S: Simd>(p: &Sheared<S>, q: &Sheared<S>) -> S::Vector {
 /// doubtful; they are the same in every tier.
 #[cold]
 #[inline(never)]
-fn resolve(doubtful: u32, block: &TriangleBlock, ray: &RayConstants, t_max: f32) -> Resolved {
+pub(crate) fn resolve(
+    doubtful: u32,
+    block: &TriangleBlock,
+    ray: &RayConstants,
+    t_max: f32,
+) -> Resolved {
     let vertices = [0, 1, 2].map(|vertex| shear::<Portable>(block, vertex, ray).map(Lanes));
     let none = Lanes([0.0; WIDTH]);
     let mut hits = Resolved { mask: 0, t: none, v: none, w: none };

@@ -28,6 +28,9 @@ pub(super) struct Arguments {
     /// How our hierarchy is built: fast, balanced, spatial
     #[arg(long, value_name = "NAME", default_value = "balanced")]
     preset: String,
+    /// Our hierarchy traces so many rays at a time, too, as the renderer does
+    #[arg(long, value_name = "COUNT")]
+    batch: Option<usize>,
     /// For programs
     #[arg(long)]
     json: bool,
@@ -54,6 +57,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
     if let Some(library) = &library {
         command.arg("--embree").arg(library);
         command.env("LD_LIBRARY_PATH", library.parent().unwrap_or(Path::new(".")));
+    }
+    if let Some(count) = arguments.batch {
+        command.args(["--batch", &count.to_string()]);
     }
     if arguments.json {
         command.arg("--json");

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! rays TRIANGLES [--embree LIBEMBREE4.SO] [--rounds COUNT] [--preset NAME] [--kind NAME] [--json]
+//!     [--batch COUNT]
 //! ```
 //!
 //! `cargo xtask bench rays` makes the file of triangles, fetches the library, and calls this. All
@@ -37,7 +38,41 @@ trait Tracer {
     fn count_any(&self, rays: &[Ray]) -> usize;
 }
 
+/// Our own, ray by ray.
 struct Ours(Bvh);
+
+/// Our own, so many rays at a time, as the renderer does.
+struct Batches(Bvh, usize);
+
+impl Tracer for Batches {
+    fn name(&self) -> String {
+        format!("{} by {}", tier_name(self.0.tier()), self.1)
+    }
+
+    fn bytes(&self) -> usize {
+        self.0.memory_bytes()
+    }
+
+    fn count_closest(&self, rays: &[Ray]) -> usize {
+        let (mut count, mut hits) = (0, Vec::with_capacity(self.1));
+        for batch in rays.chunks(self.1) {
+            hits.clear();
+            self.0.intersect_many(batch, &NoPrimitives, &mut hits);
+            count += hits.iter().flatten().count();
+        }
+        count
+    }
+
+    fn count_any(&self, rays: &[Ray]) -> usize {
+        let (mut count, mut occluded) = (0, Vec::with_capacity(self.1));
+        for batch in rays.chunks(self.1) {
+            occluded.clear();
+            self.0.occluded_many(batch, &NoPrimitives, &mut occluded);
+            count += occluded.iter().filter(|&&occluded| occluded).count();
+        }
+        count
+    }
+}
 
 impl Tracer for Ours {
     fn name(&self) -> String {
@@ -69,11 +104,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let workload = Workload::new(&camera, &meshes, &ours.0);
     let mut all: Vec<Box<dyn Tracer>> = vec![Box::new(ours)];
     all.extend(tracers);
-    // Last, for comparison, the tier that more machines have.
+    // Last, for comparison, many rays at a time, and the tier that more machines have.
+    let mut tiers = vec![Tier::detect()];
     if all[0].name() != tier_name(Tier::Avx2) && Tier::Avx2.is_available() {
         all.push(Box::new(Ours(build(&meshes, &options.preset).with_tier(Tier::Avx2))));
-        measured.push(Measured::default());
+        tiers.push(Tier::Avx2);
     }
+    if let Some(count) = options.batch {
+        for tier in tiers {
+            let bvh = build(&meshes, &options.preset).with_tier(tier);
+            all.push(Box::new(Batches(bvh, count)));
+        }
+    }
+    measured.resize_with(all.len(), Measured::default);
     trace_all(&options, &workload, &all, &mut measured);
     let triangle_count = meshes.iter().map(|mesh| mesh.indices.len()).sum();
     if options.json {

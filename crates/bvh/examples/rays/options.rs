@@ -12,6 +12,8 @@ pub(crate) struct Options {
     pub(crate) preset: BuildOptions,
     pub(crate) kinds: Vec<Kind>,
     pub(crate) json: bool,
+    /// How many rays are traced at a time, beside one at a time.
+    pub(crate) batch: Option<usize>,
 }
 
 impl Options {
@@ -26,6 +28,7 @@ impl Options {
             preset: BuildOptions::default(),
             kinds: Kind::ALL.to_vec(),
             json: false,
+            batch: None,
         };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
@@ -37,13 +40,14 @@ impl Options {
                     let name = value()?;
                     options.kinds.retain(|kind| kind.name() == name);
                 }
+                "--batch" => options.batch = Some(value()?.parse::<usize>()?.max(1)),
                 "--json" => options.json = true,
                 path => options.triangles = path.to_owned(),
             }
         }
         if options.triangles.is_empty() || options.kinds.is_empty() || options.rounds == 0 {
             return Err("usage: rays TRIANGLES [--embree LIBRARY] [--rounds COUNT] \
-                        [--preset NAME] [--kind NAME] [--json]"
+                        [--preset NAME] [--kind NAME] [--json] [--batch COUNT]"
                 .into());
         }
         Ok(options)

@@ -3,6 +3,10 @@
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx2;
 pub(crate) mod portable;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod wide;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod wide_avx512;
 
 use crate::node::{Lanes, WIDTH};
 

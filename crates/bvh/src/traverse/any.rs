@@ -10,7 +10,7 @@ use crate::triangle::intersect_block;
 use etendue_math::Ray;
 use std::mem::MaybeUninit;
 
-/// The traversal. Children that are met are pushed without a branch on how many there are, unless
+/// The traversal of what is below a child. Children that are met are pushed without a branch on how many there are, unless
 /// it is one: nothing foretells their number for rays in any direction. That spared those rays a
 /// third of their wrong guesses, but where rays resemble each other the guess lets the processor
 /// run ahead of the box test, and so the cases of none and one keep their branches (shadow rays
@@ -21,6 +21,7 @@ pub(super) fn any<S: Simd, P: Primitives>(
     ray: &Ray,
     primitives: &P,
     instance: u32,
+    start: Child,
 ) -> bool {
     let Some(constants) = RayConstants::new(ray) else { return false };
     let boxes = BoxConstants::<S>::new(ray, &constants, &bvh.nodes);
@@ -33,7 +34,7 @@ pub(super) fn any<S: Simd, P: Primitives>(
     unsafe { stack.write(Child::END.0) };
     let nodes = bvh.nodes.as_ptr();
     let mut waiting = 1;
-    let mut current = Child::node(0);
+    let mut current = start;
     loop {
         if current.is_node() {
             let offset = current.node_offset();

@@ -183,7 +183,7 @@ impl<'a> Nearest<'a> {
     }
 }
 
-/// The traversal, in one piece: with the ordering of children and the stack in functions of their
+/// The traversal of what is below a child, in one piece: with the ordering of children and the stack in functions of their
 /// own, all inlined, the compiler chose other branches and rays were a twentieth slower.
 ///
 /// One child that is met and two are by far the most common, and have ways of their own. Tried and
@@ -199,6 +199,7 @@ pub(super) fn closest<S: Simd, P: Primitives>(
     ray: &Ray,
     primitives: &P,
     instance: u32,
+    start: Child,
 ) -> Option<Hit> {
     let constants = RayConstants::new(ray)?;
     let boxes = BoxConstants::<S>::new(ray, &constants, &bvh.nodes);
@@ -209,7 +210,7 @@ pub(super) fn closest<S: Simd, P: Primitives>(
     stack[0].write(entry(0.0, Child::END));
     let nodes = bvh.nodes.as_ptr();
     let mut waiting = 1;
-    let mut current = Child::node(0);
+    let mut current = start;
     loop {
         if current.is_node() {
             let offset = current.node_offset();

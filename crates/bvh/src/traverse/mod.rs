@@ -3,11 +3,14 @@
 mod any;
 mod closest;
 pub(crate) mod many;
+#[cfg(target_arch = "x86_64")]
+mod packet;
 pub(crate) mod ray;
+mod tiers;
 
 use crate::bvh::{Bvh, Hit};
 use crate::geometry::Primitives;
-use crate::simd::{Tier, portable::Portable};
+use crate::simd::Tier;
 use etendue_math::Ray;
 
 /// How many children can wait at once. The builder bounds the depth of the hierarchy
@@ -25,11 +28,11 @@ pub(crate) fn intersect<P: Primitives>(
     match bvh.tier() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
-        Tier::Avx2 => unsafe { intersect_avx2(bvh, ray, primitives, instance) },
+        Tier::Avx2 => unsafe { tiers::avx2::intersect(bvh, ray, primitives, instance) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
-        Tier::Avx512 => unsafe { intersect_avx512(bvh, ray, primitives, instance) },
-        _ => intersect_portable(bvh, ray, primitives, instance),
+        Tier::Avx512 => unsafe { tiers::avx512::intersect(bvh, ray, primitives, instance) },
+        _ => tiers::portable::intersect(bvh, ray, primitives, instance),
     }
 }
 
@@ -39,60 +42,10 @@ pub(crate) fn occluded<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, inst
     match bvh.tier() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
-        Tier::Avx2 => unsafe { occluded_avx2(bvh, ray, primitives, instance) },
+        Tier::Avx2 => unsafe { tiers::avx2::occluded(bvh, ray, primitives, instance) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
-        Tier::Avx512 => unsafe { occluded_avx512(bvh, ray, primitives, instance) },
-        _ => occluded_portable(bvh, ray, primitives, instance),
+        Tier::Avx512 => unsafe { tiers::avx512::occluded(bvh, ray, primitives, instance) },
+        _ => tiers::portable::occluded(bvh, ray, primitives, instance),
     }
-}
-
-// Out of line, so that the choice of the tier is a jump and not a frame of its own.
-#[inline(never)]
-fn intersect_portable<P: Primitives>(
-    bvh: &Bvh,
-    ray: &Ray,
-    primitives: &P,
-    instance: u32,
-) -> Option<Hit> {
-    closest::closest::<Portable, P>(bvh, ray, primitives, instance)
-}
-
-#[inline(never)]
-fn occluded_portable<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
-    any::any::<Portable, P>(bvh, ray, primitives, instance)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn intersect_avx2<P: Primitives>(
-    bvh: &Bvh,
-    ray: &Ray,
-    primitives: &P,
-    instance: u32,
-) -> Option<Hit> {
-    closest::closest::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn occluded_avx2<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
-    any::any::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn intersect_avx512<P: Primitives>(
-    bvh: &Bvh,
-    ray: &Ray,
-    primitives: &P,
-    instance: u32,
-) -> Option<Hit> {
-    closest::closest::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn occluded_avx512<P: Primitives>(bvh: &Bvh, ray: &Ray, primitives: &P, instance: u32) -> bool {
-    any::any::<crate::simd::avx2::Avx2, P>(bvh, ray, primitives, instance)
 }

@@ -1,0 +1,91 @@
+//! Rays in packets, one in each SIMD lane.
+//!
+//! A box or a triangle is tested against all rays of a packet at once, which is worth it where most
+//! of them meet the same ones: always in small trees, and where rays are coherent. The tests are
+//! those of the single ray to the last bit, and so are the hits. Where few rays of a packet go on
+//! together they go on alone, as do those with coordinates near the ends of the range.
+
+mod any;
+mod closest;
+mod rays;
+mod triangles;
+mod walk;
+
+use crate::bvh::{Bvh, Hit};
+use crate::node::Child;
+use crate::simd::wide::Wide;
+use etendue_math::Ray;
+use rays::{Columns, Packet};
+
+/// Appends the nearest hits of many rays. `alone` finds that of one ray below a child.
+#[inline(always)]
+pub(super) fn intersect_many<W: Wide>(
+    bvh: &Bvh,
+    rays: &[Ray],
+    alone: impl Fn(&Ray, Child) -> Option<Hit> + Copy,
+    hits: &mut Vec<Option<Hit>>,
+) {
+    let reach = reach(bvh);
+    let first = hits.len();
+    hits.resize(first + rays.len(), None);
+    let mut hits = hits[first..].chunks_mut(W::LANES);
+    let packets = rays.chunks(W::LANES);
+    let mut columns = [Columns::EMPTY; 2];
+    columns[0].fill::<W>(packets.clone().next().unwrap_or_default());
+    for (number, rays) in packets.clone().enumerate() {
+        let hits = hits.next().unwrap_or_default();
+        columns[(number + 1) % 2].fill::<W>(packets.clone().nth(number + 1).unwrap_or_default());
+        if rays.len() < LEAST_RAYS {
+            for (hit, ray) in hits.iter_mut().zip(rays) {
+                *hit = alone(ray, Child::node(0));
+            }
+            continue;
+        }
+        let packet = Packet::<W>::new(&columns[number % 2], reach);
+        let mut query = closest::Closest::new(bvh, rays, &packet, alone);
+        walk::walk::<W, _>(bvh, &packet, packet.ordinary, &mut query);
+        query.finish::<W>(packet.ordinary, hits);
+    }
+}
+
+/// Appends for each ray whether there is any hit. `alone` says it of one ray below a child.
+#[inline(always)]
+pub(super) fn occluded_many<W: Wide>(
+    bvh: &Bvh,
+    rays: &[Ray],
+    alone: impl Fn(&Ray, Child) -> bool + Copy,
+    occluded: &mut Vec<bool>,
+) {
+    let reach = reach(bvh);
+    let packets = rays.chunks(W::LANES);
+    let mut columns = [Columns::EMPTY; 2];
+    columns[0].fill::<W>(packets.clone().next().unwrap_or_default());
+    for (number, rays) in packets.clone().enumerate() {
+        columns[(number + 1) % 2].fill::<W>(packets.clone().nth(number + 1).unwrap_or_default());
+        if rays.len() < LEAST_RAYS {
+            occluded.extend(rays.iter().map(|ray| alone(ray, Child::node(0))));
+            continue;
+        }
+        let packet = Packet::<W>::new(&columns[number % 2], reach);
+        let mut query = any::Any::new(rays, &packet, alone);
+        walk::walk::<W, _>(bvh, &packet, packet.ordinary, &mut query);
+        occluded.extend(query.finish(packet.ordinary));
+    }
+}
+
+/// The greatest coordinate of anything in the tree.
+fn reach(bvh: &Bvh) -> f32 {
+    bvh.bounds.min.abs().max(bvh.bounds.max.abs()).max_element()
+}
+
+/// Trees of so few nodes are small.
+const SMALL: usize = 8;
+
+/// Fewer rays are traced one after another.
+const LEAST_RAYS: usize = 4;
+
+/// Whether packets are faster than one ray after another.
+#[inline]
+pub(super) fn pays(bvh: &Bvh) -> bool {
+    bvh.nodes.len() <= SMALL
+}
