@@ -104,7 +104,8 @@ impl NextEvent {
         bsdf: &Bsdf<'_>,
         random: Vec2,
     ) -> Spectrum {
-        let proposed = sample_light(scene, surface.point, random)
+        let proposed = scene
+            .sample_light(surface.point, random)
             .and_then(|light| self.reflect(surface, bsdf, &light));
         match proposed {
             Some(light) if !scene.occluded(&light.shadow_ray) => light.radiance,
@@ -136,20 +137,6 @@ impl NextEvent {
             radiance: contribution * (weight / light.pdf),
         })
     }
-}
-
-/// Light from an emitter chosen by chance; its density is that of all emitters together.
-#[inline(always)]
-pub(crate) fn sample_light(
-    scene: &Scene,
-    point: Vec3,
-    mut random: Vec2,
-) -> Option<DirectionSample> {
-    let choice = scene.choose_emitter(&mut random.x)?;
-    let emitter = scene.emitter(choice.emitter);
-    let mut light = emitter.sample_direction(scene, point, random)?;
-    light.pdf *= choice.probability;
-    Some(light)
 }
 
 /// What a camera ray hits first, emitters left out if they are to be hidden: distances then count from

@@ -1,6 +1,5 @@
 //! `volpath`: path tracing through participating media.
 
-use crate::light::sample_light;
 use crate::media::{Connection, Event, Heuristic, Traveller, Vertex, Weights};
 use crate::path::{HIDE_EMITTERS, depths};
 use crate::sheet::Sheet;
@@ -257,7 +256,7 @@ impl VolumePath {
         (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
         random: Vec2,
     ) {
-        let Some(light) = sample_light(scene, surface.point, random) else { return };
+        let Some(light) = scene.sample_light(surface.point, random) else { return };
         let wo = surface.to_local(light.direction);
         let (value, pdf) = bsdf.eval_pdf(surface.wi, wo, Transport::Radiance);
         self.connect(scene, path, Vertex::Surface(surface), (&light, value, pdf));
@@ -281,7 +280,7 @@ impl VolumePath {
         let site = Site { point, wi: -path.traveller.ray.direction };
         let numbers = Numbers::draw(stream);
         let competes = self.emitter_sampling && medium.sample_emitters;
-        if competes && let Some(light) = sample_light(scene, point, numbers.emitter) {
+        if competes && let Some(light) = scene.sample_light(point, numbers.emitter) {
             let pdf = medium.phase.eval(&site, light.direction);
             self.connect(scene, path, Vertex::Inside(point), (&light, Spectrum::splat(pdf), pdf));
         }

@@ -17,5 +17,5 @@ mod transform;
 pub use bounds::Bounds3;
 pub use float::{next_down, next_up, rounding_error_bound, safe_acos, safe_sqrt};
 pub use frame::{Frame, coordinate_system};
-pub use ray::{Ray, offset_origin_lanes, offset_ray_origin};
+pub use ray::{Ray, RayLanes, offset_origin_lanes, offset_ray_origin};
 pub use transform::Transform;

@@ -1,6 +1,6 @@
 //! Rays, and origins that leave a surface without hitting it again.
 
-use crate::lanes::{Real, Vector3};
+use crate::lanes::{Lanes, Real, Simd, Vector3};
 use glam::Vec3;
 
 /// A half-line `origin + t · direction` for `t` in `(0, t_max)`.
@@ -40,6 +40,37 @@ impl Ray {
     }
 }
 
+/// A [`Ray`] over any [`Real`]: one for each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct RayLanes<R> {
+    /// Where the rays start.
+    pub origin: Vector3<R>,
+    /// Where they go.
+    pub direction: Vector3<R>,
+    /// Hits at or beyond this distance do not count.
+    pub t_max: R,
+}
+
+impl From<RayLanes<f32>> for Ray {
+    #[inline(always)]
+    fn from(ray: RayLanes<f32>) -> Self {
+        Self { origin: ray.origin.into(), direction: ray.direction.into(), t_max: ray.t_max }
+    }
+}
+
+impl<S: Simd> RayLanes<Lanes<S>> {
+    /// The ray of one lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, lane: usize) -> Ray {
+        Ray {
+            origin: self.origin.lane(lane),
+            direction: self.direction.lane(lane),
+            t_max: self.t_max.lane(lane),
+        }
+    }
+}
+
 /// An origin for a ray leaving `point` towards `direction` that lies clear of the surface.
 ///
 /// `error` bounds the absolute error of each coordinate of `point`, so the true surface passes
@@ -67,18 +98,10 @@ pub fn offset_origin_lanes<R: Real>(
     let offset = normal * distance;
     let moved = point + offset;
     Vector3::new(
-        round_outwards(moved.x, offset.x),
-        round_outwards(moved.y, offset.y),
-        round_outwards(moved.z, offset.z),
+        moved.x.next_towards(offset.x),
+        moved.y.next_towards(offset.y),
+        moved.z.next_towards(offset.z),
     )
-}
-
-/// The next number in the direction of `offset`.
-#[inline(always)]
-fn round_outwards<R: Real>(coordinate: R, offset: R) -> R {
-    let zero = offset.zero();
-    let up = R::select(offset.gt(zero), coordinate.next_up(), coordinate);
-    R::select(offset.lt(zero), coordinate.next_down(), up)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The frozen scene: immutable, flat, shared by all threads.
 
 use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
-use crate::emitter::Emitter;
+use crate::emitter::{Emitter, Panels};
 use crate::film::FilmSpec;
 use crate::ids::{EmitterId, InstanceId, MaterialId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
@@ -16,7 +16,7 @@ use etendue_bvh::{
     BuildOptions, Bvh, GeometryView, Hit, PrimitiveHit, Primitives, Tier, TriangleMeshView,
 };
 use etendue_document::{Diagnostics, Fault};
-use etendue_math::lanes::{Level, baseline};
+use etendue_math::lanes::{Level, Real, baseline};
 use etendue_math::{Bounds3, Ray};
 use etendue_sampling::{AliasTable, SamplerSpec};
 use glam::Vec2;
@@ -76,6 +76,8 @@ pub struct Scene {
     emitters: Vec<Emitter>,
     /// How emitters are chosen where they are not all alike.
     emitter_table: Option<AliasTable>,
+    /// The emitters that several paths at once can sample.
+    panels: Panels,
     environments: Vec<EmitterId>,
     media: Vec<Medium>,
     /// What media end at each shape; empty where no shape has any.
@@ -182,6 +184,14 @@ fn choose_by_weight(table: &AliasTable, random: &mut f32) -> EmitterChoice {
     EmitterChoice { emitter: EmitterId(chosen.index as u32), probability: table.pmf(chosen.index) }
 }
 
+/// One of `count` indices by a number in [0, 1), and what is left of the number.
+#[inline(always)]
+pub(crate) fn choose_evenly<R: Real>(random: R, count: usize) -> (R, R) {
+    let scaled = random * count as f32;
+    let index = scaled.floor().min(random.like((count - 1) as f32));
+    (index, (scaled - index).min(random.like(1.0 - f32::EPSILON)))
+}
+
 impl Scene {
     pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
         let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
@@ -209,6 +219,7 @@ impl Scene {
         Some(Self {
             level: level(bvh.tier()),
             bvh,
+            panels: Panels::new(&parts.emitters, &parts.shapes),
             shapes: parts.shapes,
             top_level,
             instances: parts.instances,
@@ -346,6 +357,21 @@ impl Scene {
         &self.emitters[id.index()]
     }
 
+    /// All emitters.
+    pub(crate) fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
+    /// How emitters are chosen where they are not all alike.
+    pub(crate) fn emitter_table(&self) -> Option<&AliasTable> {
+        self.emitter_table.as_ref()
+    }
+
+    /// The emitters that several paths at once can sample.
+    pub(crate) fn panels(&self) -> &Panels {
+        &self.panels
+    }
+
     /// The emitter of the shape that was hit.
     #[inline]
     #[must_use]
@@ -371,9 +397,9 @@ impl Scene {
         if let Some(table) = &self.emitter_table {
             return Some(choose_by_weight(table, random));
         }
-        let scaled = *random * count as f32;
-        let index = (scaled as usize).min(count - 1);
-        *random = (scaled - index as f32).min(1.0 - f32::EPSILON);
+        let (index, rest) = choose_evenly(*random, count);
+        *random = rest;
+        let index = (index as usize).min(count - 1);
         Some(EmitterChoice { emitter: EmitterId(index as u32), probability: 1.0 / count as f32 })
     }
 

@@ -94,6 +94,16 @@ impl<S: Simd> SpectrumLanes<Lanes<S>> {
     }
 }
 
+impl SpectrumLanes<f32> {
+    /// Puts the spectrum in one lane of columns in memory.
+    #[inline(always)]
+    pub fn put(self, arrays: &mut [LaneArray; Spectrum::LANES], lane: usize) {
+        for (component, array) in self.0.into_iter().zip(arrays) {
+            array.0[lane] = component;
+        }
+    }
+}
+
 impl From<Spectrum> for SpectrumLanes<f32> {
     #[inline(always)]
     fn from(spectrum: Spectrum) -> Self {

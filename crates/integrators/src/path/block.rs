@@ -3,11 +3,10 @@
 use super::Path;
 use super::wave::{State, roulette};
 use crate::light::{Origin, power_heuristic};
-use etendue_math::Ray;
 use etendue_math::lanes::{
     LaneArray, LaneMask, Lanes, Level, MAX_LANES, Mask, Real, Simd, Vector2,
 };
-use etendue_math::with_lanes;
+use etendue_math::{Ray, RayLanes, with_lanes};
 use etendue_render::bsdf::{ClosureLanes, LaneKind, SampleLanes};
 use etendue_render::shape::mesh::TriangleBlock;
 use etendue_render::{Hit, MaterialId, Scene, SurfaceBlock, SurfaceLanes};
@@ -209,7 +208,7 @@ impl Block {
         let weight = Lanes::select(light.delta, light.pdf.like(1.0), shared);
         let radiance = contribution * (weight / light.pdf);
         let throughput = SpectrumLanes::load(simd, &self.throughput, first);
-        let (origin, direction, t_max) = light.shadow_rays(surface);
+        let RayLanes { origin, direction, t_max } = light.shadow_rays(surface);
         let promises = &mut self.promises;
         (throughput * radiance).store(&mut promises.radiance, first);
         origin.store(&mut promises.origin, first);

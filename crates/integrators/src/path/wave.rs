@@ -10,7 +10,7 @@
 
 use super::Path;
 use super::block::{Block, Stage};
-use crate::light::{NextEvent, Origin, beyond_emitters, distant, emitted, sample_light};
+use crate::light::{NextEvent, Origin, beyond_emitters, distant, emitted};
 use crate::sheet::Sheet;
 use crate::{CameraRay, Radiance};
 use etendue_math::Ray;
@@ -281,7 +281,7 @@ impl<'a> Wave<'a> {
         for (Vertex { surface, .. }, numbers) in self.vertices.iter().zip(&self.numbers) {
             let wanted = integrator.emitter_sampling && scene.may_reflect_emitters(surface);
             self.lights
-                .push(wanted.then(|| sample_light(scene, surface.point, numbers.light)).flatten());
+                .push(wanted.then(|| scene.sample_light(surface.point, numbers.light)).flatten());
         }
     }
 

@@ -42,6 +42,9 @@ pub trait Real:
     fn next_up(self) -> Self;
     /// The next number below; −∞ and NaN stay as they are.
     fn next_down(self) -> Self;
+    /// The next number above where `direction` is positive, the next below where it is negative, and
+    /// the same where it is neither.
+    fn next_towards(self, direction: Self) -> Self;
     /// Whether x < y.
     fn lt(self, other: Self) -> Self::Mask;
     /// Whether x ≤ y.
@@ -143,6 +146,7 @@ pub trait Real:
 const ONE_EXPONENT: i32 = 127;
 /// Bits of the mantissa.
 const MANTISSA_BITS: u32 = 23;
+const SIGN_BIT: u32 = 1 << 31;
 const MANTISSA_MASK: u32 = (1 << MANTISSA_BITS) - 1;
 
 impl Real for f32 {
@@ -195,6 +199,17 @@ impl Real for f32 {
     #[inline(always)]
     fn next_down(self) -> Self {
         f32::next_down(self)
+    }
+
+    #[inline(always)]
+    fn next_towards(self, direction: Self) -> Self {
+        if direction > 0.0 {
+            f32::next_up(self)
+        } else if direction < 0.0 {
+            f32::next_down(self)
+        } else {
+            self
+        }
     }
 
     #[inline(always)]
@@ -286,20 +301,18 @@ impl<S: Simd> Lanes<S> {
         self.0.bitcast()
     }
 
-    /// The next number on the side of `sign_bit`: 0 for upwards, the highest bit for downwards.
+    /// The next number on the side of `sign`: 0 for upwards, the highest bit for downwards.
     #[inline(always)]
-    fn step(self, sign_bit: u32) -> Self {
+    fn step(self, sign: S::u32s) -> Self {
         let bits = self.bits();
         let simd = self.0.token();
-        let sign = S::u32s::splat(simd, sign_bit);
-        let outwards = (bits & 0x8000_0000).simd_eq(sign);
+        let outwards = (bits & SIGN_BIT).simd_eq(sign);
         let one = S::u32s::splat(simd, 1);
         let stepped: S::u32s = outwards.select(bits + one, bits - one);
         let least: S::u32s = sign | one;
-        let is_zero = (bits & 0x7fff_ffff).simd_eq(S::u32s::splat(simd, 0));
+        let is_zero = (bits & !SIGN_BIT).simd_eq(S::u32s::splat(simd, 0));
         let moved: S::u32s = is_zero.select(least, stepped);
-        let end = S::u32s::splat(simd, sign_bit | f32::INFINITY.to_bits());
-        let stays = self.0.is_nan() | bits.simd_eq(end);
+        let stays = self.0.is_nan() | bits.simd_eq(sign | f32::INFINITY.to_bits());
         let result: S::u32s = stays.select(bits, moved);
         Self(result.bitcast())
     }
@@ -388,12 +401,18 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn next_up(self) -> Self {
-        self.step(0)
+        self.step(S::u32s::splat(self.0.token(), 0))
     }
 
     #[inline(always)]
     fn next_down(self) -> Self {
-        self.step(0x8000_0000)
+        self.step(S::u32s::splat(self.0.token(), SIGN_BIT))
+    }
+
+    #[inline(always)]
+    fn next_towards(self, direction: Self) -> Self {
+        let moves = direction.abs().above(0.0);
+        Self::select(moves, self.step(direction.bits() & SIGN_BIT), self)
     }
 
     #[inline(always)]

@@ -53,6 +53,9 @@ fn apply<S: Simd>(simd: S, results: &mut LaneArray, function: impl Fn(Lanes<S>) 
 fn lanes_give_the_bits_of_single_numbers() {
     assert_same!("next_up", |x| Real::next_up(x));
     assert_same!("next_down", |x| Real::next_down(x));
+    for direction in [2.0, -1e-45, 0.0, -0.0, f32::NAN, f32::NEG_INFINITY] {
+        assert_same!("next_towards", |x| Real::next_towards(x, Real::like(x, direction)));
+    }
     assert_same!("sqrt", |x| Real::sqrt(x));
     assert_same!("safe_sqrt", |x| Real::safe_sqrt(x));
     assert_same!("reciprocal", |x| Real::reciprocal(x));

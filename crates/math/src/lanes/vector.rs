@@ -201,6 +201,24 @@ impl<S: Simd> Vector3<Lanes<S>> {
     }
 }
 
+impl Vector3<f32> {
+    /// Puts the vector in one lane of columns in memory.
+    #[inline(always)]
+    pub fn put(self, arrays: &mut [LaneArray; 3], lane: usize) {
+        let [x, y, z] = arrays;
+        (x.0[lane], y.0[lane], z.0[lane]) = (self.x, self.y, self.z);
+    }
+}
+
+impl Vector2<f32> {
+    /// Puts the vector in one lane of columns in memory.
+    #[inline(always)]
+    pub fn put(self, arrays: &mut [LaneArray; 2], lane: usize) {
+        let [x, y] = arrays;
+        (x.0[lane], y.0[lane]) = (self.x, self.y);
+    }
+}
+
 impl<S: Simd> Vector2<Lanes<S>> {
     /// The same vector in all lanes.
     #[inline(always)]

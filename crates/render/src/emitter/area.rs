@@ -1,15 +1,18 @@
 //! `area`: a shape that glows.
 
+use super::lanes::{LightLanes, TargetLanes};
 use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::scene::Scene;
-use crate::shape::mesh::{Glow, Mesh};
+use crate::shape::mesh::{Glow, Mesh, Parallelogram, ParallelogramBlock};
+use crate::shape::{Geometry, Shape, area_to_solid_angle_lanes};
 use crate::texture::{ColorSource, Texture};
 use etendue_document::Parameters;
-use etendue_spectrum::{Spectrum, SpectrumUse};
+use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse};
 use glam::{Vec2, Vec3};
 
 /// The manual page.
@@ -41,7 +44,97 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>, shape: Shap
     Area { shape, radiance: builder.color(parameters, "radiance", 1.0, SpectrumUse::Emission) }
 }
 
+/// The unit direction from `reference` to a point of a light with this shading normal, and whether
+/// light comes from there: not where the light shows its back, and not where the points coincide.
+#[inline(always)]
+fn towards<R: Real>(
+    reference: Vector3<R>,
+    point: Vector3<R>,
+    shading_normal: Vector3<R>,
+) -> (Vector3<R>, R::Mask) {
+    let (direction, exists) = (point - reference).try_normalize();
+    let cosine = direction.dot(shading_normal);
+    (direction, exists & !cosine.ge(cosine.zero()))
+}
+
+/// A flat parallelogram that glows evenly, or one for each lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Panel<R> {
+    pub(super) shape: Parallelogram<R>,
+    pub(super) radiance: SpectrumLanes<R>,
+}
+
+impl<R: Real> Panel<R> {
+    /// As [`Area::sample_direction`].
+    #[inline(always)]
+    pub(super) fn sample_direction(
+        &self,
+        reference: Vector3<R>,
+        random: Vector2<R>,
+    ) -> LightLanes<R> {
+        let Parallelogram { error, normal, shading_normal, pdf, .. } = self.shape;
+        let point = self.shape.point(random);
+        let (pdf, visible) = area_to_solid_angle_lanes(pdf, point - reference, normal);
+        let (direction, shines) = towards(reference, point, shading_normal);
+        let never = visible & !visible;
+        LightLanes {
+            direction,
+            radiance: self.radiance,
+            pdf,
+            delta: never,
+            exists: visible & shines,
+            target: TargetLanes { point, error, normal, afar: never },
+        }
+    }
+}
+
+impl Panel<f32> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub(super) fn splat<S: Simd>(&self, simd: S) -> Panel<Lanes<S>> {
+        Panel {
+            shape: self.shape.splat(simd),
+            radiance: SpectrumLanes::splat(simd, self.radiance.into()),
+        }
+    }
+}
+
+/// A panel for each lane, side by side in memory.
+#[derive(Debug, Default)]
+pub(super) struct PanelBlock {
+    shape: ParallelogramBlock,
+    radiance: [LaneArray; Spectrum::LANES],
+}
+
+impl PanelBlock {
+    /// Puts a panel in a lane.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, panel: &Panel<f32>) {
+        self.shape.set(lane, &panel.shape);
+        panel.radiance.put(&mut self.radiance, lane);
+    }
+
+    /// The panels of the first lanes.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S) -> Panel<Lanes<S>> {
+        Panel {
+            shape: self.shape.load(simd),
+            radiance: SpectrumLanes::load(simd, &self.radiance, 0),
+        }
+    }
+}
+
 impl Area {
+    /// The light as a panel, if it is one.
+    pub(super) fn panel(&self, shapes: &[Shape]) -> Option<Panel<f32>> {
+        match (&shapes[self.shape.index()].geometry, self.radiance) {
+            (Geometry::Mesh(mesh), ColorSource::Constant(radiance)) => {
+                Some(Panel { shape: *mesh.parallelogram()?, radiance: radiance.into() })
+            }
+            _ => None,
+        }
+    }
+
     /// The radiance that leaves towards `surface.wi`: none at the back.
     #[inline]
     pub(super) fn radiance(&self, scene: &Scene, surface: &SurfaceInteraction) -> Spectrum {
@@ -73,10 +166,12 @@ impl Area {
         random: Vec2,
     ) -> Option<DirectionSample> {
         let sample = scene.shape(self.shape).sample_direction(reference, random)?;
-        let direction = (sample.point - reference).try_normalize()?;
-        if direction.dot(sample.shading_normal) >= 0.0 {
+        let (point, shading_normal) = (sample.point.into(), sample.shading_normal.into());
+        let (direction, shines) = towards(reference.into(), point, shading_normal);
+        if !shines {
             return None;
         }
+        let direction = Vec3::from(direction);
         let radiance = match self.radiance {
             ColorSource::Constant(radiance) => radiance,
             ColorSource::Texture(_) => {

@@ -1,23 +1,118 @@
-//! STUB
-use super::Target;
+//! Light chosen for several paths at once.
+//!
+//! Every lane has the bits of [`Scene::sample_light`]. Panels, flat lights of even radiance, are
+//! sampled in lanes; the other emitters lane by lane.
+
+use super::area::{Panel, PanelBlock};
+use super::{DirectionSample, Emitter, SHADOW_RAY_LENGTH, Target};
 use crate::interaction::SurfaceLanes;
-use crate::scene::Scene;
-use etendue_math::lanes::*;
-use etendue_spectrum::SpectrumLanes;
-use glam::Vec2;
+use crate::scene::{Scene, choose_evenly};
+use crate::shape::Shape;
+use etendue_math::lanes::{
+    LaneArray, LaneMask, Lanes, MAX_LANES, Mask, Real, Simd, Vector2, Vector3,
+};
+use etendue_math::{RayLanes, offset_origin_lanes};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
+use glam::{Vec2, Vec3};
+
+/// Light that may arrive at points, one for each lane; see [`DirectionSample`].
+#[derive(Clone, Copy, Debug)]
 pub struct LightLanes<R: Real> {
+    /// The unit directions from the reference points towards the light.
     pub direction: Vector3<R>,
+    /// Radiance that would arrive if nothing stood between; for delta emitters, irradiance on a
+    /// surface facing the light.
     pub radiance: SpectrumLanes<R>,
+    /// The density in solid angle, of all emitters together.
     pub pdf: R,
+    /// Whether only this technique can find the light.
     pub delta: R::Mask,
+    /// Whether there is any light; the rest means nothing where there is none.
     pub exists: R::Mask,
+    /// Where the shadow rays go.
+    pub target: TargetLanes<R>,
+}
+
+/// Where shadow rays go, one for each lane; see [`Target`].
+#[derive(Clone, Copy, Debug)]
+pub struct TargetLanes<R: Real> {
+    /// The point.
     pub point: Vector3<R>,
+    /// A bound of the absolute error of each coordinate of `point`.
     pub error: Vector3<R>,
+    /// The unit geometric normal, or zero.
     pub normal: Vector3<R>,
+    /// Whether the ray goes to infinity, whatever the point.
     pub afar: R::Mask,
 }
-impl Scene {
+
+impl<R: Real> LightLanes<R> {
+    /// The rays that must be free for the light to arrive at the surfaces.
     #[inline(always)]
+    #[must_use]
+    pub fn shadow_rays(&self, surface: &SurfaceLanes<R>) -> RayLanes<R> {
+        let origin = surface.ray_origin(self.direction);
+        let TargetLanes { point, error, normal, afar } = self.target;
+        let target = offset_origin_lanes(point, error, normal, -self.direction);
+        let near = shadow_segment(origin, target);
+        if !afar.any() {
+            return near;
+        }
+        let unbounded = near.t_max.like(f32::INFINITY);
+        RayLanes {
+            origin,
+            direction: Vector3::select(afar, self.direction, near.direction),
+            t_max: R::select(afar, unbounded, near.t_max),
+        }
+    }
+}
+
+/// The shadow rays between two points that lie clear of their surfaces.
+#[inline(always)]
+pub(super) fn shadow_segment<R: Real>(origin: Vector3<R>, target: Vector3<R>) -> RayLanes<R> {
+    RayLanes { origin, direction: target - origin, t_max: origin.x.like(SHADOW_RAY_LENGTH) }
+}
+
+/// The panels among the emitters.
+#[derive(Debug)]
+pub(crate) struct Panels(Vec<Option<Panel<f32>>>);
+
+impl Panels {
+    pub(crate) fn new(emitters: &[Emitter], shapes: &[Shape]) -> Self {
+        let panel = |emitter: &Emitter| match emitter {
+            Emitter::Area(area) => area.panel(shapes),
+            _ => None,
+        };
+        Self(emitters.iter().map(panel).collect())
+    }
+}
+
+/// Emitters chosen, one for each lane.
+struct Choices<S: Simd> {
+    /// Which emitters; any where none is wanted.
+    emitters: [u32; MAX_LANES],
+    /// The probability of having chosen them.
+    probability: Lanes<S>,
+    /// What is left of the random numbers.
+    rest: Lanes<S>,
+}
+
+impl Scene {
+    /// Light from an emitter chosen by chance, seen from `point`; its density is that of all emitters
+    /// together.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample_light(&self, point: Vec3, mut random: Vec2) -> Option<DirectionSample> {
+        let choice = self.choose_emitter(&mut random.x)?;
+        let emitter = self.emitter(choice.emitter);
+        let mut light = emitter.sample_direction(self, point, random)?;
+        light.pdf *= choice.probability;
+        Some(light)
+    }
+
+    /// As [`Self::sample_light`] for the lanes that are `wanted`; there is no light for the others.
+    #[inline(always)]
+    #[must_use]
     pub fn sample_lights<S: Simd>(
         &self,
         simd: S,
@@ -25,82 +120,198 @@ impl Scene {
         random: Vector2<Lanes<S>>,
         wanted: LaneMask<S>,
     ) -> LightLanes<Lanes<S>> {
-        let mut c = [LaneArray::ZERO; 16];
-        let (mut e, mut de, mut af) = (0, 0, 0);
-        for l in 0..Lanes::<S>::COUNT {
-            if wanted.bits() >> l & 1 == 0 {
-                continue;
-            }
-            let mut r = Vec2::new(random.x.lane(l), random.y.lane(l));
-            let Some(ch) = self.choose_emitter(&mut r.x) else { continue };
-            let Some(mut s) = self.emitter(ch.emitter).sample_direction(self, reference.lane(l), r)
-            else {
-                continue;
-            };
-            s.pdf *= ch.probability;
-            e |= 1 << l;
-            de |= u32::from(s.delta) << l;
-            let (p, er, n) = match s.target {
-                Target::Point { point, error, normal } => (point, error, normal),
-                _ => {
-                    af |= 1 << l;
-                    (s.direction, s.direction, s.direction)
-                }
-            };
-            let rgb = s.radiance.rgb();
-            for (i, v) in [
-                s.direction.x,
-                s.direction.y,
-                s.direction.z,
-                rgb[0],
-                rgb[1],
-                rgb[2],
-                s.pdf,
-                p.x,
-                p.y,
-                p.z,
-                er.x,
-                er.y,
-                er.z,
-                n.x,
-                n.y,
-                n.z,
-            ]
-            .into_iter()
-            .enumerate()
-            {
-                c[i].0[l] = v;
+        if let [Some(panel)] = self.panels().0.as_slice() {
+            let (_, rest) = choose_evenly(random.x, 1);
+            let mut light =
+                panel.splat(simd).sample_direction(reference, Vector2::new(rest, random.y));
+            light.exists = light.exists & wanted;
+            return light;
+        }
+        if self.emitters().is_empty() || !wanted.any() {
+            return LightBlock::default().load(simd);
+        }
+        let choices = self.choose_emitters(simd, random.x, wanted);
+        let random = Vector2::new(choices.rest, random.y);
+        let mut light = self.sample_panels(simd, (reference, random), wanted, &choices.emitters);
+        light.pdf = light.pdf * choices.probability;
+        light
+    }
+
+    /// As [`Self::choose_emitter`] for each lane.
+    #[inline(always)]
+    fn choose_emitters<S: Simd>(
+        &self,
+        simd: S,
+        random: Lanes<S>,
+        wanted: LaneMask<S>,
+    ) -> Choices<S> {
+        let count = self.emitters().len();
+        let mut emitters = [0; MAX_LANES];
+        if self.emitter_table().is_some() {
+            return self.choose_by_weight(simd, random, wanted.bits());
+        }
+        let (index, rest) = choose_evenly(random, count);
+        let mut indices = LaneArray::ZERO;
+        index.store(&mut indices, 0);
+        for lane in lanes_of(wanted.bits()) {
+            emitters[lane] = (indices.0[lane] as u32).min(count as u32 - 1);
+        }
+        Choices { emitters, probability: Lanes::splat(simd, 1.0 / count as f32), rest }
+    }
+
+    #[inline(always)]
+    fn choose_by_weight<S: Simd>(&self, simd: S, random: Lanes<S>, wanted: u32) -> Choices<S> {
+        let mut emitters = [0; MAX_LANES];
+        let (mut numbers, mut probabilities) = (LaneArray::ZERO, LaneArray::ZERO);
+        random.store(&mut numbers, 0);
+        for lane in lanes_of(wanted) {
+            if let Some(choice) = self.choose_emitter(&mut numbers.0[lane]) {
+                emitters[lane] = choice.emitter.0;
+                probabilities.0[lane] = choice.probability;
             }
         }
-        let v = |i: usize| {
-            Vector3::new(
-                Lanes::load(simd, &c[i], 0),
-                Lanes::load(simd, &c[i + 1], 0),
-                Lanes::load(simd, &c[i + 2], 0),
-            )
-        };
-        LightLanes {
-            direction: v(0),
-            radiance: SpectrumLanes::load(simd, &[c[3], c[4], c[5]], 0),
-            pdf: Lanes::load(simd, &c[6], 0),
-            delta: LaneMask::from_bits(simd, de),
-            exists: LaneMask::from_bits(simd, e),
-            point: v(7),
-            error: v(10),
-            normal: v(13),
-            afar: LaneMask::from_bits(simd, af),
+        let (rest, probability) =
+            (Lanes::load(simd, &numbers, 0), Lanes::load(simd, &probabilities, 0));
+        Choices { emitters, probability, rest }
+    }
+
+    /// Light of the emitters chosen: of panels in lanes, and one by one of the others.
+    #[inline(always)]
+    fn sample_panels<S: Simd>(
+        &self,
+        simd: S,
+        (reference, random): (Vector3<Lanes<S>>, Vector2<Lanes<S>>),
+        wanted: LaneMask<S>,
+        emitters: &[u32; MAX_LANES],
+    ) -> LightLanes<Lanes<S>> {
+        let mut block = PanelBlock::default();
+        let mut flat = 0;
+        for lane in lanes_of(wanted.bits()) {
+            if let Some(panel) = &self.panels().0[emitters[lane] as usize] {
+                block.set(lane, panel);
+                flat |= 1 << lane;
+            }
+        }
+        let mut light = block.load(simd).sample_direction(reference, random);
+        let others = wanted.bits() & !flat;
+        light.exists = light.exists & LaneMask::from_bits(simd, flat);
+        if others == 0 {
+            return light;
+        }
+        let mut places = Places::default();
+        reference.store(&mut places.reference, 0);
+        random.store(&mut places.random, 0);
+        let mut lights = LightBlock::default();
+        lights.store(&light);
+        self.sample_others(others, emitters, &places, &mut lights);
+        lights.load(simd)
+    }
+
+    /// Light of the emitters of the lanes `others`, one by one.
+    fn sample_others(
+        &self,
+        others: u32,
+        emitters: &[u32; MAX_LANES],
+        places: &Places,
+        lights: &mut LightBlock,
+    ) {
+        for lane in lanes_of(others) {
+            let emitter = &self.emitters()[emitters[lane] as usize];
+            let (reference, random) = places.lane(lane);
+            if let Some(light) = emitter.sample_direction(self, reference, random) {
+                lights.set(lane, &light);
+            }
         }
     }
 }
-impl<R: Real> LightLanes<R> {
+
+/// The lanes whose bits are set, from the first on.
+#[inline(always)]
+fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        bits &= bits.wrapping_sub(1);
+        (lane < u32::BITS).then_some(lane as usize)
+    })
+}
+
+/// Where light is asked for, and with what random numbers.
+#[derive(Default)]
+struct Places {
+    reference: [LaneArray; 3],
+    random: [LaneArray; 2],
+}
+
+impl Places {
+    fn lane(&self, lane: usize) -> (Vec3, Vec2) {
+        let reference = self.reference.each_ref().map(|column| column.0[lane]);
+        (reference.into(), self.random.each_ref().map(|column| column.0[lane]).into())
+    }
+}
+
+/// [`LightLanes`] in memory; at first no light at all.
+#[derive(Default)]
+struct LightBlock {
+    direction: [LaneArray; 3],
+    radiance: [LaneArray; Spectrum::LANES],
+    pdf: LaneArray,
+    point: [LaneArray; 3],
+    error: [LaneArray; 3],
+    normal: [LaneArray; 3],
+    /// A bit for each lane, as in the others.
+    delta: u32,
+    exists: u32,
+    afar: u32,
+}
+
+impl LightBlock {
     #[inline(always)]
-    pub fn shadow_rays(&self, s: &SurfaceLanes<R>) -> (Vector3<R>, Vector3<R>, R) {
-        let origin = s.ray_origin(self.direction);
-        let target =
-            etendue_math::offset_origin_lanes(self.point, self.error, self.normal, -self.direction);
-        let path = target - origin;
-        let inf = path.x.like(f32::INFINITY);
-        let d = Vector3::select(self.afar, self.direction, path);
-        (origin, d, R::select(self.afar, inf, inf.like(1.0 - 2e-5)))
+    fn store<S: Simd>(&mut self, light: &LightLanes<Lanes<S>>) {
+        light.direction.store(&mut self.direction, 0);
+        light.radiance.store(&mut self.radiance, 0);
+        light.pdf.store(&mut self.pdf, 0);
+        light.target.point.store(&mut self.point, 0);
+        light.target.error.store(&mut self.error, 0);
+        light.target.normal.store(&mut self.normal, 0);
+        self.delta = light.delta.bits();
+        self.exists = light.exists.bits();
+        self.afar = light.target.afar.bits();
+    }
+
+    #[inline(always)]
+    fn load<S: Simd>(&self, simd: S) -> LightLanes<Lanes<S>> {
+        LightLanes {
+            direction: Vector3::load(simd, &self.direction, 0),
+            radiance: SpectrumLanes::load(simd, &self.radiance, 0),
+            pdf: Lanes::load(simd, &self.pdf, 0),
+            delta: LaneMask::from_bits(simd, self.delta),
+            exists: LaneMask::from_bits(simd, self.exists),
+            target: TargetLanes {
+                point: Vector3::load(simd, &self.point, 0),
+                error: Vector3::load(simd, &self.error, 0),
+                normal: Vector3::load(simd, &self.normal, 0),
+                afar: LaneMask::from_bits(simd, self.afar),
+            },
+        }
+    }
+
+    /// Puts light in a lane that has none yet.
+    fn set(&mut self, lane: usize, light: &DirectionSample) {
+        Vector3::from(light.direction).put(&mut self.direction, lane);
+        SpectrumLanes::from(light.radiance).put(&mut self.radiance, lane);
+        self.pdf.0[lane] = light.pdf;
+        let bit = 1 << lane;
+        self.exists |= bit;
+        if light.delta {
+            self.delta |= bit;
+        }
+        match light.target {
+            Target::Afar => self.afar |= bit,
+            Target::Point { point, error, normal } => {
+                Vector3::from(point).put(&mut self.point, lane);
+                Vector3::from(error).put(&mut self.error, lane);
+                Vector3::from(normal).put(&mut self.normal, lane);
+            }
+        }
     }
 }

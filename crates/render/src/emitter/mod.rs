@@ -12,12 +12,15 @@ pub mod constant;
 pub mod directional;
 pub mod directionalarea;
 pub mod envmap;
-pub mod lanes;
+mod lanes;
 pub mod leaving;
 pub mod point;
 pub mod projector;
 pub mod spot;
 pub mod sunsky;
+
+pub(crate) use lanes::Panels;
+pub use lanes::{LightLanes, TargetLanes};
 
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{ParameterManual, parameter};
@@ -128,7 +131,7 @@ impl DirectionSample {
                 let target = offset_ray_origin(point, error, normal, -self.direction);
                 let origin =
                     offset_ray_origin(surface.point, surface.error, surface.normal, self.direction);
-                Ray::segment(origin, target - origin, SHADOW_RAY_LENGTH)
+                lanes::shadow_segment(origin.into(), target.into()).into()
             }
         }
     }

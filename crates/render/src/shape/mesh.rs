@@ -1,8 +1,10 @@
 //! Triangle meshes: what `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface` become.
 
+mod parallelogram;
 mod picture;
 mod triangle;
 
+pub use parallelogram::{Parallelogram, ParallelogramBlock};
 pub use picture::Glow;
 pub use triangle::TriangleBlock;
 
@@ -14,6 +16,7 @@ use etendue_math::{Bounds3, Transform, rounding_error_bound};
 use etendue_mesh::{Attribute, MeshError, TriangleMesh};
 use etendue_sampling::{AliasSample, AliasTable, warp};
 use glam::{Vec2, Vec3};
+use parallelogram::{Coordinates, Sheet};
 use triangle::{TrianglePoint, interpolate};
 
 /// A mesh placed in the world, with what sampling points on it needs.
@@ -48,39 +51,11 @@ enum AreaSampling {
     Triangles(AliasTable),
     /// The two triangles are a flat parallelogram: one smooth map, which keeps well-spread random
     /// numbers well spread, and needs no vertices.
-    Parallelogram(Parallelogram),
+    Parallelogram(Sheet),
     /// A parallelogram that shows a picture.
     Slide(Box<picture::Slide>),
     /// Any mesh that shows a picture.
     Mosaic(picture::Mosaic),
-}
-
-/// A flat parallelogram: everything is affine in the two random numbers.
-#[derive(Clone, Copy, Debug)]
-struct Parallelogram {
-    corner: Vec3,
-    edges: [Vec3; 2],
-    /// A bound of the error of any point.
-    error: Vec3,
-    normal: Vec3,
-    shading_normal: Vec3,
-    corner_uv: Vec2,
-    edges_uv: [Vec2; 2],
-    pdf: f32,
-}
-
-impl Parallelogram {
-    #[inline]
-    fn sample(&self, random: Vec2) -> ShapeSample {
-        ShapeSample {
-            point: self.corner + self.edges[0] * random.x + self.edges[1] * random.y,
-            error: self.error,
-            normal: self.normal,
-            shading_normal: self.shading_normal,
-            uv: self.corner_uv + self.edges_uv[0] * random.x + self.edges_uv[1] * random.y,
-            pdf: self.pdf,
-        }
-    }
 }
 
 /// What the parameters common to all meshes ask for.
@@ -168,7 +143,7 @@ impl Mesh {
 
     /// Makes the mesh ready to be a light.
     pub fn prepare_sampling(&mut self) {
-        self.sampling = self.parallelogram().map(AreaSampling::Parallelogram).or_else(|| {
+        self.sampling = self.flat_sheet().map(AreaSampling::Parallelogram).or_else(|| {
             let areas: Vec<f32> = self.triangle_areas().collect();
             AliasTable::new(&areas).ok().map(AreaSampling::Triangles)
         });
@@ -176,9 +151,10 @@ impl Mesh {
 
     /// Makes points of a light that shows a picture follow it, once the mesh is ready to be a light.
     pub fn follow(&mut self, glow: Glow<'_>) {
-        let following = match self.parallelogram() {
-            Some(parallelogram) => picture::Slide::new(parallelogram, glow)
-                .map(|slide| AreaSampling::Slide(Box::new(slide))),
+        let following = match self.flat_sheet() {
+            Some(sheet) => {
+                picture::Slide::new(sheet, glow).map(|slide| AreaSampling::Slide(Box::new(slide)))
+            }
             None => picture::Mosaic::new(self, glow).map(AreaSampling::Mosaic),
         };
         self.sampling = following.or(self.sampling.take());
@@ -197,7 +173,7 @@ impl Mesh {
 
     /// The mesh as a parallelogram (a, b, c, d), if it is two triangles (a, b, c) and (a, c, d) of
     /// one, with the same normal and affine coordinates all over.
-    fn parallelogram(&self) -> Option<Parallelogram> {
+    fn flat_sheet(&self) -> Option<Sheet> {
         let &[[a, b, c], [a_again, c_again, d]] = self.indices.as_slice() else { return None };
         let vertices = [a, b, c, d].map(|vertex| vertex as usize);
         let corners = vertices.map(|vertex| self.positions[vertex]);
@@ -212,16 +188,16 @@ impl Mesh {
         let middle = self.light_point(0, Vec2::new(0.0, 0.5));
         let magnitude = corners.iter().fold(Vec3::ZERO, |sum, corner| sum.max(corner.abs()));
         let reach = Vec3::splat(size * rounding_error_bound(INTERSECTION_ROUNDINGS));
-        Some(Parallelogram {
-            corner: corners[0],
-            edges: [corners[1] - corners[0], corners[3] - corners[0]],
-            error: magnitude * rounding_error_bound(16) + reach,
-            normal: middle.normal,
-            shading_normal: middle.shading_normal,
-            corner_uv: uvs[0],
-            edges_uv: [uvs[1] - uvs[0], uvs[3] - uvs[0]],
+        let shape = Parallelogram {
+            corner: corners[0].into(),
+            edges: [(corners[1] - corners[0]).into(), (corners[3] - corners[0]).into()],
+            error: (magnitude * rounding_error_bound(16) + reach).into(),
+            normal: middle.normal.into(),
+            shading_normal: middle.shading_normal.into(),
             pdf: middle.pdf,
-        })
+        };
+        let edges = [uvs[1] - uvs[0], uvs[3] - uvs[0]];
+        Some(Sheet { shape, uv: Coordinates { corner: uvs[0], edges } })
     }
 
     fn triangle_areas(&self) -> impl Iterator<Item = f32> + '_ {
@@ -316,7 +292,7 @@ impl Mesh {
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
         match self.sampling.as_ref()? {
-            AreaSampling::Parallelogram(parallelogram) => Some(parallelogram.sample(random)),
+            AreaSampling::Parallelogram(sheet) => Some(sheet.sample(random)),
             AreaSampling::Slide(slide) => Some(slide.sample(random)),
             AreaSampling::Mosaic(mosaic) => Some(mosaic.sample(self, random)),
             AreaSampling::Triangles(table) => {
@@ -331,7 +307,16 @@ impl Mesh {
     #[inline(always)]
     pub(super) fn sample_parallelogram(&self, random: Vec2) -> Option<ShapeSample> {
         match &self.sampling {
-            Some(AreaSampling::Parallelogram(parallelogram)) => Some(parallelogram.sample(random)),
+            Some(AreaSampling::Parallelogram(sheet)) => Some(sheet.sample(random)),
+            _ => None,
+        }
+    }
+
+    /// The mesh as a flat parallelogram from which [`Self::sample_area`] takes points evenly.
+    #[must_use]
+    pub fn parallelogram(&self) -> Option<&Parallelogram<f32>> {
+        match &self.sampling {
+            Some(AreaSampling::Parallelogram(sheet)) => Some(&sheet.shape),
             _ => None,
         }
     }

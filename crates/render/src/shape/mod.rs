@@ -31,6 +31,7 @@ pub mod sphere;
 use crate::ids::{EmitterId, MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use etendue_bvh::Hit;
+use etendue_math::lanes::{Real, Vector3};
 use etendue_math::{Bounds3, Frame, Ray};
 use glam::{Vec2, Vec3};
 
@@ -143,10 +144,22 @@ impl ShapeSample {
 #[inline(always)]
 #[must_use]
 pub fn area_to_solid_angle(pdf: f32, path: Vec3, normal: Vec3) -> Option<f32> {
+    let (pdf, exists) = area_to_solid_angle_lanes(pdf, path.into(), normal.into());
+    exists.then_some(pdf)
+}
+
+/// As [`area_to_solid_angle`], over any [`Real`]; the mask says where the density is finite.
+#[inline(always)]
+#[must_use]
+pub fn area_to_solid_angle_lanes<R: Real>(
+    pdf: R,
+    path: Vector3<R>,
+    normal: Vector3<R>,
+) -> (R, R::Mask) {
     let distance_squared = path.length_squared();
     // |cos θ| · distance = |path · normal|.
     let pdf = pdf * distance_squared * distance_squared.sqrt() / path.dot(normal).abs();
-    (pdf.is_finite() && pdf > 0.0).then_some(pdf)
+    (pdf, pdf.is_finite() & pdf.above(0.0))
 }
 
 impl Geometry {

@@ -4,7 +4,6 @@ use super::{SampleStream, SamplerKind, bits_of_dimension, is_independent, point_
 use etendue_math::lanes::{
     LaneArray, Lanes, MAX_LANES, Simd, Vector2, WordArray32, WordArray64, WordLanes32, WordLanes64,
 };
-use glam::Vec2;
 
 /// The random numbers of a vertex of each of up to [`MAX_LANES`] paths.
 #[derive(Clone, Copy, Debug, Default)]
@@ -109,9 +108,9 @@ impl Seeds {
             sample: WordLanes64::load(simd, &self.samples, first),
         };
         let third = place.second().wrapping_add(2);
-        store(seeds.point(place.kind, place.dimension), &mut numbers.light, first);
-        store(seeds.point(place.kind, place.second()), &mut numbers.direction, first);
-        store(seeds.independent_point(third), &mut numbers.choices, first);
+        seeds.point(place.kind, place.dimension).store(&mut numbers.light, first);
+        seeds.point(place.kind, place.second()).store(&mut numbers.direction, first);
+        seeds.independent_point(third).store(&mut numbers.choices, first);
     }
 }
 
@@ -137,23 +136,12 @@ impl<S: Simd> SeedLanes<S> {
     }
 }
 
-#[inline(always)]
-fn store<S: Simd>(point: Vector2<Lanes<S>>, arrays: &mut [LaneArray; 2], first: usize) {
-    let [x, y] = arrays;
-    point.x.store(x, first);
-    point.y.store(y, first);
-}
-
 /// Draws the numbers of one path.
 #[cold]
 fn draw_alone(stream: &mut SampleStream, numbers: &mut NumberBlock, lane: usize) {
-    let put = |arrays: &mut [LaneArray; 2], point: Vec2| {
-        arrays[0].0[lane] = point.x;
-        arrays[1].0[lane] = point.y;
-    };
-    put(&mut numbers.light, stream.next_2d());
-    put(&mut numbers.direction, stream.next_2d());
-    put(&mut numbers.choices, stream.next_independent_2d());
+    Vector2::from(stream.next_2d()).put(&mut numbers.light, lane);
+    Vector2::from(stream.next_2d()).put(&mut numbers.direction, lane);
+    Vector2::from(stream.next_independent_2d()).put(&mut numbers.choices, lane);
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Points on a glowing mesh, chosen in proportion to the picture that it shows.
 
-use super::{Mesh, Parallelogram};
+use super::{Mesh, Sheet};
 use crate::shape::ShapeSample;
 use etendue_sampling::{AliasTable, Distribution2D, warp};
 use glam::{Affine2, Mat2, Vec2};
@@ -25,7 +25,7 @@ const MAX_STEPS: f32 = 16.0;
 /// A parallelogram that shows a picture: points in proportion to it.
 #[derive(Clone, Debug)]
 pub(super) struct Slide {
-    parallelogram: Parallelogram,
+    sheet: Sheet,
     distribution: Distribution2D,
     /// From surface coordinates to places in the parallelogram.
     to_place: Affine2,
@@ -33,10 +33,9 @@ pub(super) struct Slide {
 
 impl Slide {
     /// `None` where the surface coordinates say nothing about the place, or the picture is black.
-    pub(super) fn new(parallelogram: Parallelogram, glow: Glow<'_>) -> Option<Self> {
-        let [across, down] = parallelogram.edges_uv;
-        let to_uv =
-            Affine2::from_mat2_translation(Mat2::from_cols(across, down), parallelogram.corner_uv);
+    pub(super) fn new(sheet: Sheet, glow: Glow<'_>) -> Option<Self> {
+        let [across, down] = sheet.uv.edges;
+        let to_uv = Affine2::from_mat2_translation(Mat2::from_cols(across, down), sheet.uv.corner);
         let to_place = to_uv.inverse();
         if !to_place.is_finite() {
             return None;
@@ -46,12 +45,12 @@ impl Slide {
         let size = (cells(across), cells(down));
         let weights = cell_weights(size, |place| (glow.luminance)(to_uv.transform_point2(place)));
         let distribution = Distribution2D::new(&weights, size).ok()?;
-        Some(Self { parallelogram, distribution, to_place })
+        Some(Self { sheet, distribution, to_place })
     }
 
     pub(super) fn sample(&self, random: Vec2) -> ShapeSample {
         let (place, density) = self.distribution.sample(random);
-        let sample = self.parallelogram.sample(place);
+        let sample = self.sheet.sample(place);
         ShapeSample { pdf: sample.pdf * density, ..sample }
     }
 
@@ -59,7 +58,7 @@ impl Slide {
     pub(super) fn pdf(&self, uv: Vec2) -> f32 {
         // Rounding may move a point at the edge out of the unit square.
         let place = self.to_place.transform_point2(uv).clamp(Vec2::ZERO, Vec2::ONE);
-        self.parallelogram.pdf * self.distribution.pdf(place.min(Vec2::splat(1.0 - f32::EPSILON)))
+        self.sheet.shape.pdf * self.distribution.pdf(place.min(Vec2::splat(1.0 - f32::EPSILON)))
     }
 }
 
