@@ -1,8 +1,9 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
 use etendue_integrators::{CameraRay, Integrator, Radiance, Screen, Start};
+use etendue_math::with_lanes;
 use etendue_render::{Scene, SensorSetup};
-use etendue_sampling::SamplerSpec;
+use etendue_sampling::{SampleStream, SamplerSpec, draw_points};
 use etendue_spectrum::Spectrum;
 use glam::{UVec2, Vec2};
 
@@ -71,14 +72,24 @@ impl SampleSource for Camera<'_> {
 
     fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
         layers.fill(0.0);
-        let (CameraRay { start, mut stream }, response) = self.start(id);
+        let mut stream = self.sampler.start(UVec2::new(id.x, id.y), id.index);
+        let place = stream.next_2d();
+        let (CameraRay { start, mut stream }, response) = self.start(id, stream, place);
         let radiance = self.integrator.sample(self.scene, &start, &mut stream, layers);
         response.to(&radiance)
     }
 
     fn sample_batch(&self, ids: &[SampleId], layers: &mut [f32], samples: &mut Vec<Sample>) {
         layers.fill(0.0);
-        let (mut rays, responses): (Vec<_>, Vec<_>) = ids.iter().map(|&id| self.start(id)).unzip();
+        let start = |id: &SampleId| self.sampler.start(UVec2::new(id.x, id.y), id.index);
+        let mut streams: Vec<SampleStream> = ids.iter().map(start).collect();
+        let mut places = Vec::with_capacity(ids.len());
+        with_lanes!(self.scene.level(), simd => draw_points(simd, &mut streams, &mut places));
+        let (mut rays, responses): (Vec<_>, Vec<_>) = ids
+            .iter()
+            .zip(streams.into_iter().zip(places))
+            .map(|(&id, (stream, place))| self.start(id, stream, place))
+            .unzip();
         let mut radiance = Vec::with_capacity(ids.len());
         self.integrator.sample_batch(self.scene, &mut rays, layers, &mut radiance);
         samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
@@ -114,11 +125,11 @@ impl SampleSource for Camera<'_> {
 
 impl Camera<'_> {
     /// The ray that a sample starts with, and how the camera responds to what arrives along it.
+    /// `place` has been drawn from the stream, for the place within the reconstruction filter.
     #[inline]
-    fn start(&self, id: SampleId) -> (CameraRay, Response) {
+    fn start(&self, id: SampleId, mut stream: SampleStream, place: Vec2) -> (CameraRay, Response) {
         let pixel = UVec2::new(id.x, id.y);
-        let mut stream = self.sampler.start(pixel, id.index);
-        let (offset, weight) = self.setup.film.filter.sample(stream.next_2d());
+        let (offset, weight) = self.setup.film.filter.sample(place);
         let film_position = (pixel.as_vec2() + 0.5 + offset) * self.pixel_size;
         // The numbers for the lens are passed over where there is none: drawing them costs, and what
         // follows must not depend on it.

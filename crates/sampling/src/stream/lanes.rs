@@ -54,13 +54,11 @@ pub fn draw_vertices<S: Simd, P>(
     for (lane, path) in chosen.clone().take(MAX_LANES).enumerate() {
         let stream = stream(&mut paths[path]);
         difference |= place.difference(Place::of(stream));
-        seeds.indices.0[lane] = stream.index;
-        seeds.sets.0[lane] = stream.set_seed;
-        seeds.samples.0[lane] = stream.sample_seed;
+        seeds.set(lane, stream);
         stream.dimension = stream.dimension.wrapping_add(VERTEX_DIMENSIONS);
         count = lane + 1;
     }
-    if difference == 0 && place.has_lanes() {
+    if difference == 0 && place.has_lanes() && place.after(2).has_lanes() {
         for first in (0..count).step_by(Lanes::<S>::COUNT) {
             seeds.draw(simd, place, first, numbers);
         }
@@ -70,6 +68,31 @@ pub fn draw_vertices<S: Simd, P>(
         let stream = stream(&mut paths[path]);
         stream.dimension = stream.dimension.wrapping_sub(VERTEX_DIMENSIONS);
         draw_alone(stream, numbers, lane);
+    }
+}
+
+/// Draws `next_2d` of each stream, in order, and appends the points. The streams stand at the same
+/// dimension.
+#[inline(always)]
+pub fn draw_points<S: Simd>(simd: S, streams: &mut [SampleStream], points: &mut Vec<Vec2>) {
+    for chunk in streams.chunks_mut(MAX_LANES) {
+        let place = Place::of(&chunk[0]);
+        if !place.has_lanes() || chunk.iter().any(|stream| place.difference(Place::of(stream)) != 0)
+        {
+            points.extend(chunk.iter_mut().map(SampleStream::next_2d));
+            continue;
+        }
+        let mut seeds = Seeds::default();
+        for (lane, stream) in chunk.iter_mut().enumerate() {
+            seeds.set(lane, stream);
+            stream.dimension = place.after(2).dimension;
+        }
+        let mut drawn = [LaneArray::ZERO; 2];
+        for first in (0..chunk.len()).step_by(Lanes::<S>::COUNT) {
+            seeds.lanes(simd, first).point(place).store(&mut drawn, first);
+        }
+        let [x, y] = &drawn;
+        points.extend((0..chunk.len()).map(|lane| Vec2::new(x.0[lane], y.0[lane])));
     }
 }
 
@@ -85,32 +108,42 @@ impl Place {
         (self.kind as u32 ^ other.kind as u32) | (self.dimension ^ other.dimension)
     }
 
-    /// The dimension of the second point.
+    /// So many dimensions on.
     #[inline(always)]
-    fn second(self) -> u32 {
-        self.dimension.wrapping_add(2)
+    fn after(self, dimensions: u32) -> Self {
+        Self { dimension: self.dimension.wrapping_add(dimensions), ..self }
     }
 
-    /// Whether the numbers of a vertex that starts here can be drawn in lanes.
+    /// Whether points of these dimensions can be drawn in lanes.
     #[inline(always)]
     fn has_lanes(self) -> bool {
-        self.kind == SamplerKind::Sobol
-            || is_independent(self.kind, self.dimension) && is_independent(self.kind, self.second())
+        self.kind == SamplerKind::Sobol || is_independent(self.kind, self.dimension)
     }
 }
 
 impl Seeds {
     #[inline(always)]
-    fn draw<S: Simd>(&self, simd: S, place: Place, first: usize, numbers: &mut NumberBlock) {
-        let seeds = SeedLanes {
+    fn set(&mut self, lane: usize, stream: &SampleStream) {
+        self.indices.0[lane] = stream.index;
+        self.sets.0[lane] = stream.set_seed;
+        self.samples.0[lane] = stream.sample_seed;
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S, first: usize) -> SeedLanes<S> {
+        SeedLanes {
             index: WordLanes32::load(simd, &self.indices, first),
             set: WordLanes64::load(simd, &self.sets, first),
             sample: WordLanes64::load(simd, &self.samples, first),
-        };
-        let third = place.second().wrapping_add(2);
-        seeds.point(place.kind, place.dimension).store(&mut numbers.light, first);
-        seeds.point(place.kind, place.second()).store(&mut numbers.direction, first);
-        seeds.independent_point(third).store(&mut numbers.choices, first);
+        }
+    }
+
+    #[inline(always)]
+    fn draw<S: Simd>(&self, simd: S, place: Place, first: usize, numbers: &mut NumberBlock) {
+        let seeds = self.lanes(simd, first);
+        seeds.point(place).store(&mut numbers.light, first);
+        seeds.point(place.after(2)).store(&mut numbers.direction, first);
+        seeds.independent_point(place.after(4).dimension).store(&mut numbers.choices, first);
     }
 }
 
@@ -128,7 +161,7 @@ impl<S: Simd> SeedLanes<S> {
     }
 
     #[inline(always)]
-    fn point(&self, kind: SamplerKind, dimension: u32) -> Vector2<Lanes<S>> {
+    fn point(&self, Place { kind, dimension }: Place) -> Vector2<Lanes<S>> {
         if is_independent(kind, dimension) {
             return self.independent_point(dimension);
         }
@@ -200,6 +233,22 @@ mod tests {
                     compare(&start, &[39, 2, 17, 5, 0, 8, 9]);
                     compare(&start, &(3..3 + MAX_LANES).collect::<Vec<_>>());
                     compare(&start, &(0..40).rev().collect::<Vec<_>>());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_are_those_of_single_streams() {
+        for kind in KINDS {
+            for (dimension, others) in [(0, 0), (3, 0), (15, 0), (16, 0), (4, 6)] {
+                let start = streams(kind, dimension, others);
+                for level in [baseline(), Level::new()] {
+                    let (mut together, mut alone) = (start.clone(), start.clone());
+                    let mut points = Vec::new();
+                    with_lanes!(level, simd => draw_points(simd, &mut together, &mut points));
+                    let expected: Vec<_> = alone.iter_mut().map(SampleStream::next_2d).collect();
+                    assert_eq!((points, together), (expected, alone), "{kind:?} {level:?}");
                 }
             }
         }

@@ -16,7 +16,7 @@ use crate::hash::{GOLDEN, ONE_MINUS_EPSILON, mix64, unit_float};
 use etendue_math::lanes::{Vector2, Word32, Word64};
 use glam::{UVec2, Vec2};
 
-pub use lanes::{NumberBlock, draw_vertices};
+pub use lanes::{NumberBlock, draw_points, draw_vertices};
 
 /// The greatest planned number of samples per pixel; larger plans are cut to it.
 const MAX_PLANNED: u32 = 1 << 30;
