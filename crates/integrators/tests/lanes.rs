@@ -121,9 +121,8 @@ fn lanes_give_the_light_of_single_paths() {
         let two_sided = format!(r#"<bsdf type="twosided">{material}</bsdf>"#);
         let materials = [Some((*material).to_owned()), (!transmits(material)).then_some(two_sided)];
         for material in materials.into_iter().flatten() {
-            let masked = format!(
-                r#"<bsdf type="mask"><float name="opacity" value="1"/>{material}</bsdf>"#
-            );
+            let masked =
+                format!(r#"<bsdf type="mask"><float name="opacity" value="1"/>{material}</bsdf>"#);
             let expected = setup(PATH, &masked, None).together();
             let setup = setup(PATH, &material, None);
             assert_same(&material, &setup.together(), &expected);

@@ -4,6 +4,7 @@ use super::{SampleStream, SamplerKind, bits_of_dimension, is_independent, point_
 use etendue_math::lanes::{
     LaneArray, Lanes, MAX_LANES, Simd, Vector2, WordArray32, WordArray64, WordLanes32, WordLanes64,
 };
+use glam::Vec2;
 
 /// The random numbers of a vertex of each of up to [`MAX_LANES`] paths.
 #[derive(Clone, Copy, Debug, Default)]
