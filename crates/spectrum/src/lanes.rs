@@ -8,26 +8,30 @@ use std::ops::{Add, Div, Mul, Sub};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpectrumLanes<R>([R; Spectrum::LANES]);
 
+// The functions of arrays take none of the closures that they are given in line, so the components
+// are named one by one.
 impl<R: Real> SpectrumLanes<R> {
     /// A function of each component.
     #[inline(always)]
     #[must_use]
     pub fn map(self, function: impl Fn(R) -> R) -> Self {
-        Self(self.0.map(function))
+        self.convert(function)
     }
 
     /// A function of each component in turn, to numbers of another kind.
     #[inline(always)]
     #[must_use]
-    pub fn convert<T: Real>(self, function: impl FnMut(R) -> T) -> SpectrumLanes<T> {
-        SpectrumLanes(self.0.map(function))
+    pub fn convert<T: Real>(self, mut function: impl FnMut(R) -> T) -> SpectrumLanes<T> {
+        let [a, b, c] = self.0;
+        SpectrumLanes([function(a), function(b), function(c)])
     }
 
     /// A function of each pair of components.
     #[inline(always)]
     #[must_use]
     pub fn zip(self, other: Self, function: impl Fn(R, R) -> R) -> Self {
-        Self(std::array::from_fn(|component| function(self.0[component], other.0[component])))
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([function(a, x), function(b, y), function(c, z)])
     }
 
     /// The same value in every component.
@@ -52,6 +56,30 @@ impl<R: Real> SpectrumLanes<R> {
         let [first, rest @ ..] = self.0;
         rest.into_iter().fold(first, |sum, component| sum + component)
             * (1.0 / Spectrum::LANES as f32)
+    }
+
+    /// The square root of each component.
+    #[inline(always)]
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        self.map(R::sqrt)
+    }
+
+    /// Each component limited to `low..=high`. A NaN stays, so that it is found.
+    #[inline(always)]
+    #[must_use]
+    pub fn clamp(self, low: f32, high: f32) -> Self {
+        let low = Self::grey(self.0[0].like(low));
+        let high = Self::grey(self.0[0].like(high));
+        high.zip(low.zip(self, R::max), R::min)
+    }
+
+    /// The quotient of each pair of components, and zero where the divisor is zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn safe_div(self, divisor: Self) -> Self {
+        let is_zero = |divisor: R| divisor.equals(divisor.zero());
+        self.zip(divisor, |a, b| R::select(is_zero(b), b.zero(), a / b))
     }
 
     /// Whether all components are zero.

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 /// As many vertices as the widest lanes take, all of materials of one kind, and where their paths go
 /// on. A place is a vertex's number in the block.
-pub(super) struct Block {
+pub(super) struct Block<'a> {
     /// Which of the wave's paths stand at the vertices.
     pub(super) paths: [usize; MAX_LANES],
     /// How many of the places are taken, from the first on.
@@ -25,7 +25,7 @@ pub(super) struct Block {
     kind: LaneKind,
     pub(super) triangles: TriangleBlock,
     pub(super) surfaces: SurfaceBlock,
-    pub(super) closures: ClosureLanes,
+    pub(super) closures: ClosureLanes<'a>,
     pub(super) numbers: NumberBlock,
     /// What of the light found from here on arrives at the camera; then of that found after the next.
     throughput: [LaneArray; Spectrum::LANES],
@@ -86,7 +86,7 @@ pub(super) struct Continuation {
     pub(super) straight: bool,
 }
 
-impl Block {
+impl<'a> Block<'a> {
     pub(super) fn new() -> Self {
         Self {
             paths: [0; MAX_LANES],
@@ -128,7 +128,7 @@ impl Block {
     #[inline(always)]
     pub(super) fn set_material(
         &mut self,
-        scene: &Scene,
+        scene: &'a Scene,
         place: usize,
         (material, hit): (MaterialId, &Hit),
     ) {

@@ -97,7 +97,7 @@ pub(super) struct Wave<'a> {
     promises: Vec<Promise>,
     shadow_rays: Vec<Ray>,
     occluded: Vec<bool>,
-    block: Block,
+    block: Block<'a>,
 }
 
 impl State {

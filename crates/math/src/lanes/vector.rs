@@ -133,6 +133,21 @@ impl<R: Real> Vector3<R> {
         (self * reciprocal, reciprocal.is_finite() & reciprocal.above(0.0))
     }
 
+    /// The unit vector of the same direction; NaN of zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn normalize(self) -> Self {
+        self * self.length().reciprocal()
+    }
+
+    /// The unit vector of the same direction, or zero where there is none.
+    #[inline(always)]
+    #[must_use]
+    pub fn normalize_or_zero(self) -> Self {
+        let zero = self.x.zero();
+        self.normalize_or(Self::new(zero, zero, zero))
+    }
+
     /// The unit vector of the same direction, or `fallback` where there is none.
     #[inline(always)]
     #[must_use]

@@ -2,6 +2,7 @@
 
 use super::fresnel;
 use super::microfacet::{Distribution, Microfacets, NormalSampling};
+use etendue_math::lanes::{LaneArray, Lanes, MAX_LANES, Real, Simd};
 use glam::{Vec2, Vec3};
 use std::f64::consts::PI;
 
@@ -37,13 +38,63 @@ impl CoatTable {
         }
     }
 
+    /// One that lets no light through.
+    pub(super) const BLACK: Self = Self { entering: [0.0; ENTRIES], thrown_back: 0.0 };
+
+    /// The entry of the given index and the next.
+    #[inline(always)]
+    fn pair(&self, index: usize) -> [f32; 2] {
+        // Never beyond, and known to be so.
+        let index = index.min(ENTRIES - 2);
+        [self.entering[index], self.entering[index + 1]]
+    }
+}
+
+/// The tables of as many hits as `R` has lanes.
+pub(super) trait Coats<R: Real>: Copy {
+    /// The entry of each hit's table with the given index, a whole number from 0 to 62, and the next.
+    fn pairs(self, index: R) -> [R; 2];
+
     /// The share of light that enters from outside at this cosine, linear between the entries.
-    #[inline]
-    pub(super) fn entering(&self, cosine: f32) -> f32 {
-        let position = cosine.clamp(0.0, 1.0) * (ENTRIES - 1) as f32;
-        let index = (position as usize).min(ENTRIES - 2);
-        let (low, high) = (self.entering[index], self.entering[index + 1]);
-        low + (high - low) * (position - index as f32)
+    #[inline(always)]
+    fn entering(self, cosine: R) -> R {
+        let limited = cosine.max(cosine.zero()).min(cosine.like(1.0));
+        let position = limited * (ENTRIES - 1) as f32;
+        let index = position.floor().min(cosine.like((ENTRIES - 2) as f32));
+        let [low, high] = self.pairs(index);
+        low + (high - low) * (position - index)
+    }
+}
+
+impl Coats<f32> for &CoatTable {
+    #[inline(always)]
+    fn pairs(self, index: f32) -> [f32; 2] {
+        self.pair(index as usize)
+    }
+}
+
+/// The table of each lane, from a lane `first` on.
+#[derive(Clone, Copy)]
+pub(super) struct CoatLanes<'a, S> {
+    /// The instructions of the lanes.
+    pub(super) simd: S,
+    /// The tables of all lanes.
+    pub(super) tables: &'a [&'a CoatTable; MAX_LANES],
+    /// The place of the first lane among them.
+    pub(super) first: usize,
+}
+
+impl<S: Simd> Coats<Lanes<S>> for CoatLanes<'_, S> {
+    #[inline(always)]
+    fn pairs(self, index: Lanes<S>) -> [Lanes<S>; 2] {
+        // The last bits of 2²³ + index are those of the index.
+        let shifted = index + 8_388_608.0;
+        let (mut low, mut high) = (LaneArray::ZERO, LaneArray::ZERO);
+        for lane in 0..Lanes::<S>::COUNT {
+            let index = shifted.lane(lane).to_bits() as usize % ENTRIES;
+            [low.0[lane], high.0[lane]] = self.tables[self.first + lane].pair(index);
+        }
+        [Lanes::load(self.simd, &low, 0), Lanes::load(self.simd, &high, 0)]
     }
 }
 
@@ -63,7 +114,7 @@ impl Quadrature {
     fn integrate(&self, cosine: f32, integrand: impl Fn(Vec3, Vec3) -> f32) -> f32 {
         let wi = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
         let value = |&(uniform, weight): &(Vec2, f32)| {
-            weight * integrand(wi, self.microfacets.sample(wi, uniform))
+            weight * integrand(wi, self.microfacets.sample(wi, uniform).into())
         };
         self.points.iter().map(value).sum()
     }

@@ -1,13 +1,15 @@
 //! `conductor`: a smooth metal.
 
 use super::inputs::{MetalIndex, reflectance};
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::{BsdfSample, Closure, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
-use etendue_spectrum::Spectrum;
+use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The parameters of the complex index, which the rough metal has too.
@@ -80,38 +82,83 @@ impl Conductor {
         surface: &SurfaceInteraction,
     ) -> ConductorClosure {
         let [eta, k] = self.index.resolve(textures, surface);
-        ConductorClosure { eta, k, specular: self.specular_reflectance.eval(textures, surface) }
+        let specular = self.specular_reflectance.eval(textures, surface).into();
+        ConductorClosure { eta: eta.into(), k: k.into(), specular }
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.index.is_uniform() && self.specular_reflectance.is_constant()
     }
 }
 
 /// A resolved smooth metal.
-#[derive(Clone, Copy, Debug)]
-pub struct ConductorClosure {
-    eta: Spectrum,
-    k: Spectrum,
-    specular: Spectrum,
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ConductorClosure<R = f32> {
+    eta: SpectrumLanes<R>,
+    k: SpectrumLanes<R>,
+    specular: SpectrumLanes<R>,
+}
+
+impl<R: Real> ConductorClosure<R> {
+    /// The same closure with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(
+        self,
+        numbers: &mut impl Transfer<R, T>,
+    ) -> ConductorClosure<T> {
+        ConductorClosure {
+            eta: numbers.spectrum(self.eta),
+            k: numbers.spectrum(self.k),
+            specular: numbers.spectrum(self.specular),
+        }
+    }
+}
+
+impl<R: Real> LaneClosure<R> for ConductorClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        _wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        (SpectrumLanes::grey(wi.z.zero()), wi.z.zero())
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        _lobe: R,
+        _direction: Vector2<R>,
+        _transport: Transport,
+    ) -> SampleLanes<R> {
+        let exists = wi.z.above(0.0);
+        if !exists.any() {
+            return SampleLanes::none(wi);
+        }
+        let weight = fresnel::conductor(wi.z, self.eta, self.k) * self.specular;
+        let (wo, pdf) = (fresnel::mirror(wi), wi.z.like(1.0));
+        SampleLanes { wo, weight, pdf, exists, ..SampleLanes::none(wi) }
+    }
 }
 
 impl Closure for ConductorClosure {
     #[inline]
-    fn eval_pdf(&self, _wi: Vec3, _wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
-        (Spectrum::ZERO, 0.0)
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
     fn sample(
         &self,
         wi: Vec3,
-        _lobe: f32,
-        _direction: Vec2,
-        _transport: Transport,
+        lobe: f32,
+        direction: Vec2,
+        transport: Transport,
     ) -> Option<BsdfSample> {
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let wo = Vec3::new(-wi.x, -wi.y, wi.z);
-        let weight = fresnel::conductor(wi.z, self.eta, self.k) * self.specular;
-        Some(BsdfSample { wo, weight, pdf: 1.0, eta: 1.0, lobe: Lobe::Delta })
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     #[inline]
@@ -123,7 +170,7 @@ impl Closure for ConductorClosure {
         if wi.z <= 0.0 {
             return Spectrum::ZERO;
         }
-        fresnel::conductor(wi.z, self.eta, self.k) * self.specular
+        (fresnel::conductor(wi.z, self.eta, self.k) * self.specular).into()
     }
 }
 

@@ -2,13 +2,15 @@
 
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::inputs::{reflectance, relative_index};
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::{BsdfSample, Closure, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
-use etendue_spectrum::Spectrum;
+use etendue_math::lanes::{Real, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The index on the back, for the materials whose default is glass.
@@ -71,25 +73,81 @@ impl Dielectric {
         surface: &SurfaceInteraction,
     ) -> DielectricClosure {
         DielectricClosure {
-            reflectance: self.specular_reflectance.eval(textures, surface),
-            transmittance: self.specular_transmittance.eval(textures, surface),
+            reflectance: self.specular_reflectance.eval(textures, surface).into(),
+            transmittance: self.specular_transmittance.eval(textures, surface).into(),
             eta: self.eta,
         }
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.specular_reflectance.is_constant() && self.specular_transmittance.is_constant()
     }
 }
 
 /// A resolved smooth dielectric interface.
-#[derive(Clone, Copy, Debug)]
-pub struct DielectricClosure {
-    reflectance: Spectrum,
-    transmittance: Spectrum,
-    eta: f32,
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DielectricClosure<R = f32> {
+    reflectance: SpectrumLanes<R>,
+    transmittance: SpectrumLanes<R>,
+    eta: R,
+}
+
+impl<R: Real> DielectricClosure<R> {
+    /// The same closure with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(
+        self,
+        numbers: &mut impl Transfer<R, T>,
+    ) -> DielectricClosure<T> {
+        DielectricClosure {
+            reflectance: numbers.spectrum(self.reflectance),
+            transmittance: numbers.spectrum(self.transmittance),
+            eta: numbers.number(self.eta),
+        }
+    }
+}
+
+impl<R: Real> LaneClosure<R> for DielectricClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        _wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        (SpectrumLanes::grey(wi.z.zero()), wi.z.zero())
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        lobe: R,
+        _direction: Vector2<R>,
+        transport: Transport,
+    ) -> SampleLanes<R> {
+        let interface = fresnel::dielectric(wi.z, self.eta);
+        let reflects = lobe.lt(interface.reflectance);
+        let passed = -interface.reflectance + 1.0;
+        let eta_ti = interface.eta_ti;
+        let refracted = Vector3::new(-eta_ti * wi.x, -eta_ti * wi.y, interface.cos_theta_t);
+        let transmitted = self.transmittance * radiance_scale(eta_ti, transport);
+        SampleLanes {
+            wo: Vector3::select(reflects, fresnel::mirror(wi), refracted),
+            weight: SpectrumLanes::select(reflects, self.reflectance, transmitted),
+            pdf: R::select(reflects, interface.reflectance, passed),
+            eta: R::select(reflects, passed.like(1.0), interface.eta_it),
+            exists: reflects | passed.above(0.0),
+            ..SampleLanes::none(wi)
+        }
+    }
 }
 
 impl Closure for DielectricClosure {
     #[inline]
-    fn eval_pdf(&self, _wi: Vec3, _wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
-        (Spectrum::ZERO, 0.0)
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
@@ -97,31 +155,10 @@ impl Closure for DielectricClosure {
         &self,
         wi: Vec3,
         lobe: f32,
-        _direction: Vec2,
+        direction: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        let interface = fresnel::dielectric(wi.z, self.eta);
-        if lobe < interface.reflectance {
-            return Some(BsdfSample {
-                wo: Vec3::new(-wi.x, -wi.y, wi.z),
-                weight: self.reflectance,
-                pdf: interface.reflectance,
-                eta: 1.0,
-                lobe: Lobe::Delta,
-            });
-        }
-        let pdf = 1.0 - interface.reflectance;
-        let scale = radiance_scale(interface.eta_ti, transport);
-        let wo =
-            Vec3::new(-interface.eta_ti * wi.x, -interface.eta_ti * wi.y, interface.cos_theta_t);
-        let weight = self.transmittance * scale;
-        (pdf > 0.0).then_some(BsdfSample {
-            wo,
-            weight,
-            pdf,
-            eta: interface.eta_it,
-            lobe: Lobe::Delta,
-        })
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     #[inline]
@@ -131,18 +168,18 @@ impl Closure for DielectricClosure {
 
     fn albedo(&self, wi: Vec3) -> Spectrum {
         let reflected = fresnel::dielectric(wi.z, self.eta).reflectance;
-        self.reflectance * reflected + self.transmittance * (1.0 - reflected)
+        (self.reflectance * reflected + self.transmittance * (1.0 - reflected)).into()
     }
 }
 
 /// The factor on what is refracted where the index is `eta_ti` times as high on the side of `wi`
 /// as on that of `wo`. Radiance over the squared index is what light keeps (Veach's thesis, 1997,
 /// section 5.2).
-#[inline]
-pub(super) fn radiance_scale(eta_ti: f32, transport: Transport) -> f32 {
+#[inline(always)]
+pub(super) fn radiance_scale<R: Real>(eta_ti: R, transport: Transport) -> R {
     match transport {
         Transport::Radiance => eta_ti * eta_ti,
-        Transport::Importance => 1.0,
+        Transport::Importance => eta_ti.like(1.0),
     }
 }
 

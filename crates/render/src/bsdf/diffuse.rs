@@ -1,7 +1,7 @@
 //! `diffuse`: the ideal matt surface.
 
 use super::inputs::reflectance;
-use super::lanes::{LaneClosure, SampleLanes, eval_pdf_alone, sample_alone};
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
 use super::{BsdfSample, Closure, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
@@ -71,10 +71,10 @@ pub struct DiffuseClosure<R = f32> {
 }
 
 impl<R: Real> DiffuseClosure<R> {
-    /// A function of each number in turn.
+    /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn map<T: Real>(self, number: impl FnMut(R) -> T) -> DiffuseClosure<T> {
-        DiffuseClosure { reflectance: self.reflectance.convert(number) }
+    pub(super) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> DiffuseClosure<T> {
+        DiffuseClosure { reflectance: numbers.spectrum(self.reflectance) }
     }
 }
 

@@ -1,72 +1,74 @@
 //! Fresnel's equations for dielectrics and conductors, and the directions that go with them.
 
-use etendue_math::safe_sqrt;
-use etendue_spectrum::Spectrum;
+use etendue_math::lanes::{Real, Vector3};
+use etendue_spectrum::SpectrumLanes;
 use glam::Vec3;
 
 /// What happens to light at a smooth interface between two dielectrics.
 #[derive(Clone, Copy, Debug)]
-pub struct Interface {
+pub struct Interface<R = f32> {
     /// The share of unpolarised light that is reflected.
-    pub reflectance: f32,
+    pub reflectance: R,
     /// The cosine of the refracted direction; its sign is opposite to that of the incident one,
     /// and it is zero under total reflection.
-    pub cos_theta_t: f32,
+    pub cos_theta_t: R,
     /// The index on the far side over that on the side of the incident direction.
-    pub eta_it: f32,
+    pub eta_it: R,
     /// The inverse of [`eta_it`](Self::eta_it).
-    pub eta_ti: f32,
+    pub eta_ti: R,
 }
 
 /// Light that meets the interface at the signed cosine `cos_theta_i`. `eta` is the index on the
 /// negative side over that on the positive one.
 ///
 /// Born and Wolf, *Principles of Optics*, section 1.5.2.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn dielectric(cos_theta_i: f32, eta: f32) -> Interface {
-    let outside = cos_theta_i >= 0.0;
-    let inverse = 1.0 / eta;
-    let (eta_it, eta_ti) = if outside { (eta, inverse) } else { (inverse, eta) };
+pub fn dielectric<R: Real>(cos_theta_i: R, eta: R) -> Interface<R> {
+    let (zero, one) = (eta.zero(), eta.like(1.0));
+    let outside = cos_theta_i.ge(zero);
+    let inverse = one / eta;
+    let (eta_it, eta_ti) = (R::select(outside, eta, inverse), R::select(outside, inverse, eta));
     // Snell's law for the squared cosine; negative under total reflection.
-    let cos_theta_t_squared = 1.0 - (1.0 - cos_theta_i * cos_theta_i) * (eta_ti * eta_ti);
+    let sin_theta_i_squared = one - cos_theta_i * cos_theta_i;
+    let cos_theta_t_squared = one - sin_theta_i_squared * (eta_ti * eta_ti);
     let cos_i = cos_theta_i.abs();
-    let cos_t = safe_sqrt(cos_theta_t_squared);
-    let reflectance = if eta == 1.0 {
-        0.0
-    } else if cos_i == 0.0 {
-        1.0
-    } else {
-        let perpendicular = (cos_i - eta_it * cos_t) / (cos_i + eta_it * cos_t);
-        let parallel = (cos_t - eta_it * cos_i) / (cos_t + eta_it * cos_i);
-        // Rounding may carry the mean of two ones past one.
-        (0.5 * (perpendicular * perpendicular + parallel * parallel)).min(1.0)
-    };
-    let cos_theta_t = if outside { -cos_t } else { cos_t };
-    Interface { reflectance, cos_theta_t, eta_it, eta_ti }
+    let cos_t = cos_theta_t_squared.safe_sqrt();
+    let perpendicular = (cos_i - eta_it * cos_t) / (cos_i + eta_it * cos_t);
+    let parallel = (cos_t - eta_it * cos_i) / (cos_t + eta_it * cos_i);
+    // Rounding may carry the mean of two ones past one.
+    let mean = ((perpendicular * perpendicular + parallel * parallel) * 0.5).min(one);
+    let reflectance = R::select(cos_i.equals(zero), one, mean);
+    let reflectance = R::select(eta.equals(one), zero, reflectance);
+    Interface { reflectance, cos_theta_t: R::select(outside, -cos_t, cos_t), eta_it, eta_ti }
 }
 
 /// The share of unpolarised light that a conductor of index `eta` + i·`k` reflects at the cosine
 /// `cos_theta_i` in [0, 1].
 ///
 /// Lazányi and Szirmay-Kalos, "Fresnel Term Approximations for Metals", WSCG 2005, equations 2 and 3.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn conductor(cos_theta_i: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+pub fn conductor<R: Real>(
+    cos_theta_i: R,
+    eta: SpectrumLanes<R>,
+    k: SpectrumLanes<R>,
+) -> SpectrumLanes<R> {
     let cos2 = cos_theta_i * cos_theta_i;
-    let sin2 = 1.0 - cos2;
+    let sin2 = -cos2 + 1.0;
     let (eta2, k2) = (eta * eta, k * k);
-    let difference = eta2 - k2 - Spectrum::splat(sin2);
+    let difference = eta2 - k2 - SpectrumLanes::grey(sin2);
     // a² + b² of the book's complex root a + i·b, and a itself.
-    let modulus = (difference * difference + eta2 * k2 * 4.0).sqrt();
-    let real = ((modulus + difference) * 0.5).max(Spectrum::ZERO).sqrt();
-    let cross = real * (2.0 * cos_theta_i);
-    let sum = modulus + Spectrum::splat(cos2);
+    let modulus = (difference * difference + eta2 * k2 * cos2.like(4.0)).sqrt();
+    let half = cos2.like(0.5);
+    let real = ((modulus + difference) * half).clamp(0.0, f32::INFINITY).sqrt();
+    let cross = real * (cos_theta_i * 2.0);
+    let sum = modulus + SpectrumLanes::grey(cos2);
     let perpendicular = (sum - cross).safe_div(sum + cross);
-    let sum = modulus * cos2 + Spectrum::splat(sin2 * sin2);
+    let sum = modulus * cos2 + SpectrumLanes::grey(sin2 * sin2);
     let cross = cross * sin2;
     let parallel = perpendicular * (sum - cross).safe_div(sum + cross);
-    ((perpendicular + parallel) * 0.5).clamp(0.0, 1.0)
+    ((perpendicular + parallel) * half).clamp(0.0, 1.0)
 }
 
 /// The share of perfectly diffuse light that a smooth interface reflects, where it comes from the
@@ -97,25 +99,54 @@ fn walsh(n: f64) -> f64 {
 }
 
 /// The mirror image of `wi` about the unit vector `m`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn reflect(wi: Vec3, m: Vec3) -> Vec3 {
-    m * (2.0 * wi.dot(m)) - wi
+    reflect_lanes::<f32>(wi.into(), m.into()).into()
+}
+
+/// [`reflect`] over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn reflect_lanes<R: Real>(wi: Vector3<R>, m: Vector3<R>) -> Vector3<R> {
+    m * (wi.dot(m) * 2.0) - wi
+}
+
+/// The mirror image of `wi` about the surface's normal.
+#[inline(always)]
+pub(super) fn mirror<R: Real>(wi: Vector3<R>) -> Vector3<R> {
+    Vector3::new(-wi.x, -wi.y, wi.z)
 }
 
 /// `wi` refracted at the unit normal `m`, on either side; `interface` is [`dielectric`] at wi·m.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn refract(wi: Vec3, m: Vec3, interface: &Interface) -> Vec3 {
-    let wo = m * (wi.dot(m) * interface.eta_ti + interface.cos_theta_t) - wi * interface.eta_ti;
+    refract_lanes::<f32>(wi.into(), m.into(), interface).into()
+}
+
+/// [`refract`] over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn refract_lanes<R: Real>(
+    wi: Vector3<R>,
+    m: Vector3<R>,
+    interface: &Interface<R>,
+) -> Vector3<R> {
+    let along = wi.dot(m) * interface.eta_ti + interface.cos_theta_t;
     // Rounding errors of `wi` come out multiplied by the index.
-    wo.normalize()
+    (m * along - wi * interface.eta_ti).normalize()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use etendue_spectrum::Spectrum;
     use etendue_testkit::quadrature::integrate_gauss;
+
+    fn conductor(cosine: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+        super::conductor(cosine, eta.into(), k.into()).into()
+    }
 
     #[test]
     fn normal_incidence_has_the_textbook_value() {

@@ -7,7 +7,8 @@ use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
 use crate::texture::{ColorSource, ScalarSource, Textures};
 use etendue_document::{Class, Fault, Parameters, Value, list_names, near_names};
-use etendue_spectrum::{Spectrum, SpectrumUse, metal, metal_names};
+use etendue_math::lanes::Real;
+use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse, metal, metal_names};
 use glam::Vec2;
 use std::ops::RangeInclusive;
 
@@ -143,6 +144,16 @@ impl Roughness {
         Self { alpha_u, alpha_v, distribution, sampling }
     }
 
+    /// Whether it is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.alpha_u.is_constant() && self.alpha_v.is_constant()
+    }
+
+    /// The distribution where visible normals are sampled.
+    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+        (self.sampling == NormalSampling::Visible).then_some(self.distribution)
+    }
+
     /// The distribution of normals at a hit.
     #[inline]
     pub(super) fn resolve(
@@ -206,6 +217,11 @@ impl MetalIndex {
         Self { eta: eta.unwrap_or(named[0]), k: k.unwrap_or(named[1]), outside }
     }
 
+    /// Whether it is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.eta.is_constant() && self.k.is_constant()
+    }
+
     /// η and k at a hit.
     #[inline]
     pub(super) fn resolve(
@@ -263,12 +279,16 @@ impl ColorShift {
 
 /// The share of samples that go to the specular lobe of a coated surface, where the coat reflects
 /// the share `reflected`.
-#[inline]
-pub(super) fn specular_probability(specular: Spectrum, base: Spectrum, reflected: f32) -> f32 {
+#[inline(always)]
+pub(super) fn specular_probability<R: Real>(
+    specular: SpectrumLanes<R>,
+    base: SpectrumLanes<R>,
+    reflected: R,
+) -> R {
     let specular = specular.mean() * reflected;
-    let diffuse = base.mean() * (1.0 - reflected);
+    let diffuse = base.mean() * (-reflected + 1.0);
     let total = specular + diffuse;
-    if total > 0.0 { specular / total } else { 0.0 }
+    R::select(total.above(0.0), specular / total, total.zero())
 }
 
 /// The cosine-weighted mean of [`fresnel::dielectric`] over the inside of an interface.

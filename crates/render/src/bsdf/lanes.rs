@@ -2,15 +2,24 @@
 //!
 //! The materials that nearly all surfaces have are written over any [`Real`]: [`LaneClosure`] is their
 //! mathematics, which a hit alone uses as well. [`ClosureLanes`] holds the closures of up to
-//! [`MAX_LANES`](etendue_math::lanes::MAX_LANES) hits whose materials are of one [`LaneKind`].
+//! [`MAX_LANES`] hits whose materials are of one [`LaneKind`].
 
+use super::coat::{CoatLanes, CoatTable};
+use super::conductor::ConductorClosure;
+use super::dielectric::DielectricClosure;
 use super::diffuse::DiffuseClosure;
+use super::microfacet::Distribution;
+use super::plastic::PlasticClosure;
+use super::roughconductor::RoughConductorClosure;
+use super::roughdielectric::RoughDielectricClosure;
+use super::roughplastic::RoughPlasticClosure;
+use super::thindielectric::ThinDielectricClosure;
 use super::{BsdfSample, Lobe, Material, Materials, Transport};
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
 use crate::texture::Textures;
 use etendue_math::Frame;
-use etendue_math::lanes::{LaneArray, LaneMask, Lanes, Real, Simd, Vector2, Vector3};
+use etendue_math::lanes::{LaneArray, LaneMask, Lanes, MAX_LANES, Real, Simd, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
@@ -50,6 +59,20 @@ impl<R: Real> SampleLanes<R> {
         }
     }
 
+    /// `yes` where the mask is true, `no` elsewhere.
+    #[inline(always)]
+    pub(super) fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            wo: Vector3::select(mask, yes.wo, no.wo),
+            weight: SpectrumLanes::select(mask, yes.weight, no.weight),
+            pdf: R::select(mask, yes.pdf, no.pdf),
+            eta: R::select(mask, yes.eta, no.eta),
+            exists: mask & yes.exists | !mask & no.exists,
+            smooth: mask & yes.smooth | !mask & no.smooth,
+            straight: mask & yes.straight | !mask & no.straight,
+        }
+    }
+
     /// As [`none`](Self::none), but smooth should it exist.
     #[inline(always)]
     pub(super) fn smooth(wi: Vector3<R>) -> Self {
@@ -76,6 +99,21 @@ pub(super) trait LaneClosure<R: Real> {
         direction: Vector2<R>,
         transport: Transport,
     ) -> SampleLanes<R>;
+}
+
+/// Passes the numbers of a closure on, one after the other.
+pub(super) trait Transfer<R: Real, T: Real> {
+    /// What a number becomes.
+    fn number(&mut self, number: R) -> T;
+
+    /// What a spectrum becomes.
+    #[inline(always)]
+    fn spectrum(&mut self, spectrum: SpectrumLanes<R>) -> SpectrumLanes<T> {
+        spectrum.convert(
+            #[inline(always)]
+            |component| self.number(component),
+        )
+    }
 }
 
 /// [`LaneClosure::eval_pdf_lanes`] for one path.
@@ -115,15 +153,48 @@ pub(super) fn sample_alone(
 }
 
 /// The kinds of closures that lanes can hold. Within a kind there are no branches on parameters.
+/// Those with microfacets sample their visible normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LaneKind {
     /// Lambertian reflection.
     Diffuse,
+    /// A smooth coating over a diffuse base.
+    Plastic,
+    /// A rough coating of Beckmann's normals over a diffuse base.
+    RoughPlasticBeckmann,
+    /// A rough coating of GGX normals over a diffuse base.
+    RoughPlasticGgx,
+    /// A smooth metal.
+    Conductor,
+    /// A rough metal of Beckmann's normals.
+    RoughConductorBeckmann,
+    /// A rough metal of GGX normals.
+    RoughConductorGgx,
+    /// Smooth glass.
+    Dielectric,
+    /// A thin pane of glass.
+    ThinDielectric,
+    /// Frosted glass of Beckmann's normals.
+    RoughDielectricBeckmann,
+    /// Frosted glass of GGX normals.
+    RoughDielectricGgx,
 }
 
 impl LaneKind {
     /// All kinds, each at its [`index`](Self::index).
-    pub const ALL: [Self; 1] = [Self::Diffuse];
+    pub const ALL: [Self; 11] = [
+        Self::Diffuse,
+        Self::Plastic,
+        Self::RoughPlasticBeckmann,
+        Self::RoughPlasticGgx,
+        Self::Conductor,
+        Self::RoughConductorBeckmann,
+        Self::RoughConductorGgx,
+        Self::Dielectric,
+        Self::ThinDielectric,
+        Self::RoughDielectricBeckmann,
+        Self::RoughDielectricGgx,
+    ];
 
     /// How many there are.
     pub const COUNT: usize = Self::ALL.len();
@@ -139,9 +210,7 @@ impl LaneKind {
     #[inline(always)]
     #[must_use]
     pub fn has_smooth_lobe(self) -> bool {
-        match self {
-            Self::Diffuse => true,
-        }
+        !matches!(self, Self::Conductor | Self::Dielectric | Self::ThinDielectric)
     }
 
     /// How many numbers a closure consists of.
@@ -149,6 +218,43 @@ impl LaneKind {
     fn columns(self) -> usize {
         match self {
             Self::Diffuse => 3,
+            Self::Dielectric | Self::ThinDielectric => 7,
+            Self::Conductor | Self::RoughDielectricBeckmann | Self::RoughDielectricGgx => 9,
+            Self::Plastic | Self::RoughConductorBeckmann | Self::RoughConductorGgx => 11,
+            Self::RoughPlasticBeckmann | Self::RoughPlasticGgx => 12,
+        }
+    }
+
+    /// The kind of a material's closures; `None` where lanes cannot hold them.
+    fn of(material: &Material) -> Option<Self> {
+        let by_distribution = |distribution: Option<Distribution>, beckmann: Self, ggx: Self| {
+            distribution.map(|distribution| match distribution {
+                Distribution::Beckmann => beckmann,
+                Distribution::Ggx => ggx,
+            })
+        };
+        match material {
+            Material::Diffuse(_) => Some(Self::Diffuse),
+            Material::Plastic(_) => Some(Self::Plastic),
+            Material::Conductor(_) => Some(Self::Conductor),
+            Material::Dielectric(_) => Some(Self::Dielectric),
+            Material::ThinDielectric(_) => Some(Self::ThinDielectric),
+            Material::RoughPlastic(material) => by_distribution(
+                material.visible_distribution(),
+                Self::RoughPlasticBeckmann,
+                Self::RoughPlasticGgx,
+            ),
+            Material::RoughConductor(material) => by_distribution(
+                material.visible_distribution(),
+                Self::RoughConductorBeckmann,
+                Self::RoughConductorGgx,
+            ),
+            Material::RoughDielectric(material) => by_distribution(
+                material.visible_distribution(),
+                Self::RoughDielectricBeckmann,
+                Self::RoughDielectricGgx,
+            ),
+            _ => None,
         }
     }
 }
@@ -180,53 +286,107 @@ impl LaneMaterial {
             _ => (id, false),
         };
         let material = &materials[leaf.index()];
-        let uniform = is_uniform(material).then(|| {
-            let frame = Frame::from_normal(Vec3::Z);
+        let kind = LaneKind::of(material);
+        let uniform = (kind.is_some() && is_uniform(material)).then(|| {
             // No texture is read, so any place will do.
-            let anywhere = SurfaceInteraction::at_uv(Vec2::ZERO, frame);
-            let mut numbers = [0.0; COLUMNS];
-            visit(material, Textures(&[]), &anywhere, |column, number| numbers[column] = number);
-            numbers
+            let anywhere = SurfaceInteraction::at_uv(Vec2::ZERO, Frame::from_normal(Vec3::Z));
+            let mut numbers = Numbers { numbers: [0.0; COLUMNS], count: 0 };
+            transfer(material, Textures(&[]), &anywhere, &mut numbers);
+            numbers.numbers
         });
-        Self { kind: kind(material), leaf, is_two_sided, uniform }
+        Self { kind, leaf, is_two_sided, uniform }
     }
 }
 
-/// The kind of a material's closures; `None` where lanes cannot hold them.
-fn kind(material: &Material) -> Option<LaneKind> {
-    match material {
-        Material::Diffuse(_) => Some(LaneKind::Diffuse),
-        _ => None,
-    }
-}
-
-/// Whether a material reads no textures; not for those that lanes cannot hold.
+/// Whether a material that lanes can hold reads no textures.
 fn is_uniform(material: &Material) -> bool {
     match material {
         Material::Diffuse(material) => material.is_uniform(),
+        Material::Plastic(material) => material.is_uniform(),
+        Material::RoughPlastic(material) => material.is_uniform(),
+        Material::Conductor(material) => material.is_uniform(),
+        Material::RoughConductor(material) => material.is_uniform(),
+        Material::Dielectric(material) => material.is_uniform(),
+        Material::ThinDielectric(material) => material.is_uniform(),
+        Material::RoughDielectric(material) => material.is_uniform(),
         _ => false,
     }
 }
 
-/// Resolves a material at a hit and shows each number of its closure with its column.
+/// Resolves a material at a hit and shows the numbers of its closure.
 #[inline(always)]
-fn visit(
+fn transfer(
     material: &Material,
     textures: Textures<'_>,
     surface: &SurfaceInteraction,
-    mut show: impl FnMut(usize, f32),
+    numbers: &mut impl Transfer<f32, f32>,
 ) {
-    let mut column = 0;
-    let mut show = |number: f32| {
-        show(column, number);
-        column += 1;
+    macro_rules! transfer {
+        ($($kind:ident $(with $coat:expr)?),*) => {
+            match material {
+                $(Material::$kind(material) => {
+                    material.resolve(textures, surface).transfer(numbers $(, $coat)?);
+                })*
+                _ => {}
+            }
+        };
+    }
+    transfer!(
+        Diffuse,
+        Plastic,
+        RoughPlastic with (),
+        Conductor,
+        RoughConductor,
+        Dielectric,
+        ThinDielectric,
+        RoughDielectric
+    );
+}
+
+/// The numbers of a closure, one after the other.
+struct Numbers {
+    numbers: [f32; COLUMNS],
+    count: usize,
+}
+
+impl Transfer<f32, f32> for Numbers {
+    fn number(&mut self, number: f32) -> f32 {
+        self.numbers[self.count] = number;
+        self.count += 1;
         number
-    };
-    match material {
-        Material::Diffuse(material) => {
-            material.resolve(textures, surface).map(&mut show);
-        }
-        _ => {}
+    }
+}
+
+/// The numbers of a closure on their way into a lane.
+struct ToLane<'a> {
+    columns: &'a mut [LaneArray; COLUMNS],
+    lane: usize,
+    count: usize,
+}
+
+impl Transfer<f32, f32> for ToLane<'_> {
+    #[inline(always)]
+    fn number(&mut self, number: f32) -> f32 {
+        self.columns[self.count].0[self.lane] = number;
+        self.count += 1;
+        number
+    }
+}
+
+/// The numbers of closures on their way out of the lanes from `first` on.
+struct FromLanes<'a, S> {
+    columns: &'a [LaneArray; COLUMNS],
+    simd: S,
+    first: usize,
+    count: usize,
+}
+
+impl<S: Simd> Transfer<f32, Lanes<S>> for FromLanes<'_, S> {
+    #[inline(always)]
+    fn number(&mut self, _number: f32) -> Lanes<S> {
+        let column = &self.columns[self.count];
+        self.count += 1;
+        Lanes::load(self.simd, column, self.first)
     }
 }
 
@@ -254,40 +414,57 @@ impl Materials<'_> {
     }
 }
 
-/// The closures of up to [`MAX_LANES`](etendue_math::lanes::MAX_LANES) hits, all of one kind. Directions are in the shading frames of
+/// The closures of up to [`MAX_LANES`] hits, all of one kind. Directions are in the shading frames of
 /// the hits; what `twosided` does is done here. Light is carried as [`Transport::Radiance`].
 ///
 /// Lanes that were never set hold closures all of whose numbers are zero.
 #[derive(Clone, Debug)]
-pub struct ClosureLanes {
+pub struct ClosureLanes<'a> {
     kind: LaneKind,
     /// A bit for each lane whose material is the same from both sides.
     two_sided: u32,
     columns: [LaneArray; COLUMNS],
+    /// What rough coats let through.
+    coats: [&'a CoatTable; MAX_LANES],
 }
 
 /// A closure in as many lanes as the machine has, loaded from the columns of `$lanes`.
 macro_rules! with_closure {
     ($lanes:expr, $simd:expr, $first:expr, $closure:ident => $work:expr) => {{
-        let mut columns = $lanes.columns.iter();
-        let mut next = |blank: f32| match columns.next() {
-            Some(column) => Lanes::load($simd, column, $first),
-            None => Lanes::splat($simd, blank),
-        };
-        match $lanes.kind {
-            LaneKind::Diffuse => {
-                let $closure = DiffuseClosure::default().map(&mut next);
-                $work
-            }
-        }
+        let (columns, coats) = (&$lanes.columns, &$lanes.coats);
+        let mut numbers = FromLanes { columns, simd: $simd, first: $first, count: 0 };
+        let coats = CoatLanes { tables: coats, simd: $simd, first: $first };
+        with_closure!(@match $lanes.kind, numbers, $closure => $work,
+            Diffuse: DiffuseClosure::default(), ();
+            Plastic: PlasticClosure::default(), ();
+            RoughPlasticBeckmann: RoughPlasticClosure::black(Distribution::Beckmann), (coats);
+            RoughPlasticGgx: RoughPlasticClosure::black(Distribution::Ggx), (coats);
+            Conductor: ConductorClosure::default(), ();
+            RoughConductorBeckmann: RoughConductorClosure::black(Distribution::Beckmann), ();
+            RoughConductorGgx: RoughConductorClosure::black(Distribution::Ggx), ();
+            Dielectric: DielectricClosure::default(), ();
+            ThinDielectric: ThinDielectricClosure::default(), ();
+            RoughDielectricBeckmann: RoughDielectricClosure::black(Distribution::Beckmann), ();
+            RoughDielectricGgx: RoughDielectricClosure::black(Distribution::Ggx), ();
+        )
     }};
+    (@match $kind:expr, $numbers:ident, $closure:ident => $work:expr,
+        $($name:ident: $blank:expr, ($($coats:ident)?);)*) => {
+        match $kind {
+            $(LaneKind::$name => {
+                let $closure = $blank.transfer(&mut $numbers $(, $coats)?);
+                $work
+            })*
+        }
+    };
 }
 
-impl ClosureLanes {
+impl<'a> ClosureLanes<'a> {
     /// No closures yet.
     #[must_use]
     pub fn new(kind: LaneKind) -> Self {
-        Self { kind, two_sided: 0, columns: [LaneArray::ZERO; COLUMNS] }
+        let columns = [LaneArray::ZERO; COLUMNS];
+        Self { kind, two_sided: 0, columns, coats: [&CoatTable::BLACK; MAX_LANES] }
     }
 
     /// Begins anew with another kind. Lanes that are not set from now on hold anything.
@@ -302,19 +479,19 @@ impl ClosureLanes {
     pub fn set(
         &mut self,
         lane: usize,
-        materials: Materials<'_>,
+        materials: Materials<'a>,
         id: MaterialId,
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
     ) {
         let leaf = self.place(lane, materials, id).leaf;
-        let material = &materials.materials[leaf.index()];
-        visit(material, textures, surface, |column, number| self.columns[column].0[lane] = number);
+        let mut numbers = ToLane { columns: &mut self.columns, lane, count: 0 };
+        transfer(&materials.materials[leaf.index()], textures, surface, &mut numbers);
     }
 
     /// Puts a material of this kind that [is the same everywhere](Materials::is_uniform) into a lane.
     #[inline]
-    pub fn set_uniform(&mut self, lane: usize, materials: Materials<'_>, id: MaterialId) {
+    pub fn set_uniform(&mut self, lane: usize, materials: Materials<'a>, id: MaterialId) {
         let Some(numbers) = &self.place(lane, materials, id).uniform else { return };
         let columns = &mut self.columns[..self.kind.columns()];
         for (column, &number) in columns.iter_mut().zip(numbers) {
@@ -322,15 +499,18 @@ impl ClosureLanes {
         }
     }
 
+    /// What of a lane does not depend on textures.
     #[inline(always)]
-    fn place<'a>(
-        &mut self,
-        lane: usize,
-        materials: Materials<'a>,
-        id: MaterialId,
-    ) -> &'a LaneMaterial {
+    fn place(&mut self, lane: usize, materials: Materials<'a>, id: MaterialId) -> &'a LaneMaterial {
         let material = &materials.lanes[id.index()];
         self.two_sided |= u32::from(material.is_two_sided) << lane;
+        let is_coated =
+            matches!(self.kind, LaneKind::RoughPlasticBeckmann | LaneKind::RoughPlasticGgx);
+        if is_coated
+            && let Material::RoughPlastic(coated) = &materials.materials[material.leaf.index()]
+        {
+            self.coats[lane] = coated.coat();
+        }
         material
     }
 

@@ -4,16 +4,19 @@
 //! (z > 0), and the microfacet normal `m` too.
 
 use super::erf::{erf_given_exponential, erf_inverse};
-use super::inputs::limited;
-use etendue_math::safe_sqrt;
-use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, TAU};
+use super::lanes::Transfer;
+use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
+use glam::Vec2;
+use std::f32::consts::FRAC_1_PI;
 
 /// 1/√π.
 const FRAC_1_SQRT_PI: f32 = 0.564_189_6;
 
 /// Roughness below this is raised to it, as a distribution cannot be a delta.
 const MIN_ALPHA: f32 = 1e-4;
+
+/// Beyond this squares would overflow; no surface is that rough.
+const MAX_ALPHA: f32 = 1e4;
 
 /// Densities below this, times the cosine, are zero: their quotients would be noise.
 const NEGLIGIBLE_DENSITY: f32 = 1e-20;
@@ -36,21 +39,30 @@ pub enum NormalSampling {
     All,
 }
 
-/// A distribution of microfacet normals.
+/// A distribution of microfacet normals. `R` is a number, or one for each of several hits, which
+/// share the distribution and the sampling.
 #[derive(Clone, Copy, Debug)]
-pub struct Microfacets {
-    alpha: Vec2,
+pub struct Microfacets<R = f32> {
+    alpha: Vector2<R>,
     distribution: Distribution,
     sampling: NormalSampling,
 }
 
 /// A microfacet reflection without its Fresnel term.
 #[derive(Clone, Copy, Debug)]
-pub struct MicrofacetReflection {
+pub struct MicrofacetReflection<R = f32> {
     /// D·G / (4 cos θi): the value with the cosine.
-    pub value: f32,
+    pub value: R,
     /// The density of `wo` in solid angle.
-    pub pdf: f32,
+    pub pdf: R,
+}
+
+impl<R: Real> MicrofacetReflection<R> {
+    /// Zero in as many lanes as `like` has.
+    #[inline(always)]
+    fn nothing(like: R) -> Self {
+        Self { value: like.zero(), pdf: like.zero() }
+    }
 }
 
 impl Microfacets {
@@ -59,20 +71,47 @@ impl Microfacets {
     #[inline]
     #[must_use]
     pub fn new(distribution: Distribution, sampling: NormalSampling, alpha: Vec2) -> Self {
-        // Beyond the upper bound squares would overflow; no surface is that rough.
-        let limited = |alpha: f32| limited(alpha, MIN_ALPHA, 1e4);
-        Self { alpha: Vec2::new(limited(alpha.x), limited(alpha.y)), distribution, sampling }
+        Self { alpha: alpha.into(), distribution, sampling }.limited()
     }
 
+    /// Any roughness, and visible normals.
+    pub(super) fn visible(distribution: Distribution) -> Self {
+        Self::new(distribution, NormalSampling::Visible, Vec2::ONE)
+    }
+
+    /// The distribution where visible normals are sampled.
+    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+        (self.sampling == NormalSampling::Visible).then_some(self.distribution)
+    }
+}
+
+impl<R: Real> Microfacets<R> {
     /// The distribution with its roughness multiplied by `factor`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn scaled(self, factor: f32) -> Self {
-        Self::new(self.distribution, self.sampling, self.alpha * factor)
+    pub fn scaled(self, factor: R) -> Self {
+        Self { alpha: self.alpha * factor, ..self }.limited()
+    }
+
+    /// The distribution with its roughness within bounds.
+    #[inline(always)]
+    fn limited(self) -> Self {
+        let Vector2 { x, y } = self.alpha;
+        // In this order NaN becomes the lower bound.
+        let limit = |alpha: R| alpha.max(x.like(MIN_ALPHA)).min(x.like(MAX_ALPHA));
+        Self { alpha: Vector2::new(limit(x), limit(y)), ..self }
+    }
+
+    /// The same distribution with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> Microfacets<T> {
+        let Self { alpha, distribution, sampling } = self;
+        let alpha = Vector2::new(numbers.number(alpha.x), numbers.number(alpha.y));
+        Microfacets { alpha, distribution, sampling }
     }
 
     /// Which normals [`sample`](Self::sample) chooses from.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sampling(&self) -> NormalSampling {
         self.sampling
@@ -82,35 +121,37 @@ impl Microfacets {
     ///
     /// Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2),
     /// 2014, equations 79 and 85.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn density(&self, m: Vec3) -> f32 {
-        let slope2 = (m.truncate() / self.alpha).length_squared();
+    pub fn density(&self, m: impl Into<Vector3<R>>) -> R {
+        let (m, alpha) = (m.into(), self.alpha);
+        let slope2 = Vector2::new(m.x / alpha.x, m.y / alpha.y).length_squared();
         let cos2 = m.z * m.z;
-        let scale = FRAC_1_PI / (self.alpha.x * self.alpha.y);
+        let scale = alpha.x.like(FRAC_1_PI) / (alpha.x * alpha.y);
         let density = match self.distribution {
             Distribution::Beckmann => scale * (-slope2 / cos2).exp() / (cos2 * cos2),
             Distribution::Ggx => scale / ((slope2 + cos2) * (slope2 + cos2)),
         };
         // False also for the NaN of 0 / 0.
-        if density * m.z > NEGLIGIBLE_DENSITY { density } else { 0.0 }
+        R::select((density * m.z).above(NEGLIGIBLE_DENSITY), density, density.zero())
     }
 
     /// Smith's masking G1(v) / |cos θv|, which stays finite where v grazes, for v on the visible
     /// side of its microfacet. For Beckmann it holds the rational fit of Walter et al. 2007,
     /// section 5.2, within 0.35 %, as other renderers do, so that pictures agree.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn masking_over_cosine(&self, v: Vec3) -> f32 {
+    pub fn masking_over_cosine(&self, v: impl Into<Vector3<R>>) -> R {
+        let v = v.into();
         let (cosine, stretched2) = (v.z.abs(), self.stretched_squared(v));
         match self.distribution {
             Distribution::Beckmann => {
+                // The paper's a is cosine / sine; its fractions are expanded into one.
                 let sine = stretched2.sqrt();
-                if cosine >= 1.6 * sine {
-                    return 1.0 / cosine;
-                }
-                let a = cosine / sine;
-                (3.535 + 2.181 * a) / (sine * (1.0 + 2.276 * a + 2.577 * a * a))
+                let is_clear = cosine.ge(sine * 1.6);
+                let above = sine * 3.535 + cosine * 2.181;
+                let below = stretched2 + cosine * (sine * 2.276 + cosine * 2.577);
+                R::select(is_clear, cosine.like(1.0), above) / R::select(is_clear, cosine, below)
             }
             Distribution::Ggx => ggx_masking_over_cosine(cosine, stretched2),
         }
@@ -118,8 +159,8 @@ impl Microfacets {
 
     /// G1(v) / |cos θv| to the last digits. It normalises the visible normals: with the fit the
     /// densities would be off by up to 0.35 %, and an estimate by them.
-    #[inline]
-    fn exact_masking_over_cosine(&self, v: Vec3) -> f32 {
+    #[inline(always)]
+    fn exact_masking_over_cosine(&self, v: Vector3<R>) -> R {
         let (cosine, stretched2) = (v.z.abs(), self.stretched_squared(v));
         match self.distribution {
             Distribution::Beckmann => {
@@ -127,27 +168,30 @@ impl Microfacets {
                 let a = cosine / sine;
                 let exponential = (-a * a).exp();
                 // Heitz 2014, equation 82; the exponential is zero where `a` is infinite.
-                2.0 / (cosine * (1.0 + erf_given_exponential(a, exponential))
-                    + sine * exponential * FRAC_1_SQRT_PI)
+                let below = cosine * (erf_given_exponential(a, exponential) + 1.0)
+                    + sine * exponential * FRAC_1_SQRT_PI;
+                below.like(2.0) / below
             }
             Distribution::Ggx => ggx_masking_over_cosine(cosine, stretched2),
         }
     }
 
     /// The squared length of v's tangential part, stretched by the roughness.
-    #[inline]
-    fn stretched_squared(&self, v: Vec3) -> f32 {
+    #[inline(always)]
+    fn stretched_squared(&self, v: Vector3<R>) -> R {
         (v.truncate() * self.alpha).length_squared()
     }
 
     /// The density per solid angle with which [`sample`](Self::sample) gives `m`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn pdf(&self, wi: Vec3, m: Vec3) -> f32 {
+    pub fn pdf(&self, wi: impl Into<Vector3<R>>, m: impl Into<Vector3<R>>) -> R {
+        let (wi, m) = (wi.into(), m.into());
         let density = self.density(m);
         match self.sampling {
             NormalSampling::Visible => {
-                density * self.exact_masking_over_cosine(wi) * wi.dot(m).max(0.0)
+                let cosine = wi.dot(m);
+                density * self.exact_masking_over_cosine(wi) * cosine.max(cosine.zero())
             }
             NormalSampling::All => density * m.z,
         }
@@ -155,31 +199,43 @@ impl Microfacets {
 
     /// Reflection from `wi` to `wo`, both above the surface, at the microfacets of normal `m`
     /// between them. Zero where `m` cannot be seen from either.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn reflection(&self, wi: Vec3, wo: Vec3, m: Vec3) -> MicrofacetReflection {
+    pub fn reflection(
+        &self,
+        wi: impl Into<Vector3<R>>,
+        wo: impl Into<Vector3<R>>,
+        m: impl Into<Vector3<R>>,
+    ) -> MicrofacetReflection<R> {
+        let (wi, wo, m) = (wi.into(), wo.into(), m.into());
         let cosine = wi.dot(m);
         let density = self.density(m);
-        let nothing = MicrofacetReflection { value: 0.0, pdf: 0.0 };
-        if !(density > 0.0 && cosine > 0.0 && wo.dot(m) > 0.0) {
+        let is_seen = density.above(0.0) & cosine.above(0.0) & wo.dot(m).above(0.0);
+        let nothing = MicrofacetReflection::nothing(cosine);
+        if !is_seen.any() {
             return nothing;
         }
         let (masking_i, masking_o) = (self.masking_over_cosine(wi), self.masking_over_cosine(wo));
-        let value = 0.25 * density * masking_i * (masking_o * wo.z);
+        let value = density * 0.25 * masking_i * (masking_o * wo.z);
         // The Jacobian of the reflection is 1 / (4 wo·m).
         let pdf = match self.sampling {
-            NormalSampling::Visible => 0.25 * density * self.exact_masking_over_cosine(wi),
-            NormalSampling::All => 0.25 * density * m.z / cosine,
+            NormalSampling::Visible => density * 0.25 * self.exact_masking_over_cosine(wi),
+            NormalSampling::All => density * 0.25 * m.z / cosine,
         };
         // Among all normals there are some along which the Jacobian overflows.
-        if pdf.is_finite() { MicrofacetReflection { value, pdf } } else { nothing }
+        let exists = is_seen & pdf.is_finite();
+        MicrofacetReflection {
+            value: R::select(exists, value, nothing.value),
+            pdf: R::select(exists, pdf, nothing.pdf),
+        }
     }
 
     /// Chooses a microfacet normal. For an isotropic surface, `uniform.y` and 1 − `uniform.y` give
     /// mirror images about the plane of incidence.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn sample(&self, wi: Vec3, uniform: Vec2) -> Vec3 {
+    pub fn sample(&self, wi: impl Into<Vector3<R>>, uniform: impl Into<Vector2<R>>) -> Vector3<R> {
+        let (wi, uniform) = (wi.into(), uniform.into());
         match (self.sampling, self.distribution) {
             (NormalSampling::All, _) => self.sample_all(uniform),
             (NormalSampling::Visible, Distribution::Ggx) => self.sample_visible_ggx(wi, uniform),
@@ -191,79 +247,91 @@ impl Microfacets {
 
     /// Both distributions are isotropic in slopes that are divided by the roughness; there the
     /// squared length has a closed inverse.
-    fn sample_all(&self, uniform: Vec2) -> Vec3 {
+    #[inline(always)]
+    fn sample_all(&self, uniform: Vector2<R>) -> Vector3<R> {
+        let rest = -uniform.x + 1.0;
         let slope2 = match self.distribution {
-            Distribution::Beckmann => -(1.0 - uniform.x).ln(),
-            Distribution::Ggx => uniform.x / (1.0 - uniform.x),
+            Distribution::Beckmann => -rest.ln(),
+            Distribution::Ggx => uniform.x / rest,
         };
-        let slope = Vec2::from_angle(TAU * uniform.y) * safe_sqrt(slope2) * self.alpha;
-        slope.extend(1.0).normalize()
+        let slope = direction(uniform.y) * slope2.safe_sqrt() * self.alpha;
+        slope.extend(rest.like(1.0)).normalize()
     }
 
     /// Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023.
-    fn sample_visible_ggx(&self, wi: Vec3, uniform: Vec2) -> Vec3 {
+    #[inline(always)]
+    fn sample_visible_ggx(&self, wi: Vector3<R>, uniform: Vector2<R>) -> Vector3<R> {
         let standard = (wi.truncate() * self.alpha).extend(wi.z).normalize();
         // The height of the cap's point above −standard.z; kept, as the sum with it loses digits.
-        let height = (1.0 - uniform.x) * (1.0 + standard.z);
+        let height = (-uniform.x + 1.0) * (standard.z + 1.0);
         let z = height - standard.z;
-        let disk = Vec2::from_angle(TAU * uniform.y) * safe_sqrt(1.0 - z * z);
+        let disk = direction(uniform.y) * (-z * z + 1.0).safe_sqrt();
         let half = disk + standard.truncate();
         (half * self.alpha).extend(height).normalize()
     }
 
     /// Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann Distribution", 2014.
-    fn sample_visible_beckmann(&self, wi: Vec3, uniform: Vec2) -> Vec3 {
+    #[inline(always)]
+    fn sample_visible_beckmann(&self, wi: Vector3<R>, uniform: Vector2<R>) -> Vector3<R> {
         let standard = (wi.truncate() * self.alpha).extend(wi.z).normalize();
-        let sine = standard.truncate().length();
-        let along = if sine > 0.0 { standard.truncate() / sine } else { Vec2::X };
-        let slope = Vec2::new(
-            visible_beckmann_slope(standard.z, sine, uniform.x),
-            erf_inverse(2.0 * uniform.y - 1.0),
-        );
-        let slope = along.rotate(slope) * self.alpha;
-        (-slope).extend(1.0).normalize()
+        let sine = standard.truncate().length_squared().sqrt();
+        let along = standard.truncate() * sine.reciprocal();
+        let x_axis = Vector2::new(sine.like(1.0), sine.zero());
+        let along = Vector2::select(sine.above(0.0), along, x_axis);
+        let x = visible_beckmann_slope(standard.z, sine, uniform.x);
+        let y = erf_inverse(uniform.y * 2.0 - 1.0);
+        let slope = Vector2::new(along.x * x - along.y * y, along.y * x + along.x * y) * self.alpha;
+        Vector3::new(-slope.x, -slope.y, sine.like(1.0)).normalize()
     }
 }
 
+/// The unit vector at an angle, in turns.
+#[inline(always)]
+fn direction<R: Real>(turns: R) -> Vector2<R> {
+    let (sine, cosine) = turns.sin_cos_turn();
+    Vector2::new(cosine, sine)
+}
+
 /// Heitz 2014, equation 86.
-#[inline]
-fn ggx_masking_over_cosine(cosine: f32, stretched2: f32) -> f32 {
-    2.0 / (cosine + (cosine * cosine + stretched2).sqrt())
+#[inline(always)]
+fn ggx_masking_over_cosine<R: Real>(cosine: R, stretched2: R) -> R {
+    cosine.like(2.0) / (cosine + (cosine * cosine + stretched2).sqrt())
 }
 
 /// The slope along the incident direction of a visible normal of the unit Beckmann distribution,
 /// by inversion of its cumulative distribution, which in x = erf(slope) is proportional to
 /// (1 + x) cos θ + sin θ exp(−slope²) / √π. Newton's iteration within a shrinking bracket; two or
-/// three steps do.
-fn visible_beckmann_slope(cosine: f32, sine: f32, uniform: f32) -> f32 {
+/// three steps do. A lane stays as it is once it has converged.
+#[inline(always)]
+fn visible_beckmann_slope<R: Real>(cosine: R, sine: R, uniform: R) -> R {
     let cotangent = cosine / sine;
     let exponential = (-cotangent * cotangent).exp();
     let highest = erf_given_exponential(cotangent, exponential);
-    let total = (1.0 + highest) * cosine + sine * exponential * FRAC_1_SQRT_PI;
+    let total = (highest + 1.0) * cosine + sine * exponential * FRAC_1_SQRT_PI;
     let target = uniform * total;
     // With 1 − x² for exp(−slope²), which is within 0.06 of it, the equation is quadratic in 1 + x.
     let curvature = sine * FRAC_1_SQRT_PI;
-    let linear = cosine + 2.0 * curvature;
-    let root = safe_sqrt(linear * linear - 4.0 * curvature * target);
-    let (mut low, mut high) = (-1.0, highest);
-    let mut x = (2.0 * target / (linear + root) - 1.0).min(highest);
+    let linear = cosine + curvature * 2.0;
+    let root = (linear * linear - curvature * target * 4.0).safe_sqrt();
+    let (mut low, mut high) = (highest.like(-1.0), highest);
+    let mut x = (target * 2.0 / (linear + root) - 1.0).min(highest);
     let mut slope = erf_inverse(x);
+    // In every lane.
+    let mut goes_on = !x.lt(x);
     for _ in 0..10 {
-        let value = (1.0 + x) * cosine + curvature * (-slope * slope).exp() - target;
-        if value > 0.0 {
-            high = x;
-        } else {
-            low = x;
-        }
+        let value = (x + 1.0) * cosine + curvature * (-slope * slope).exp() - target;
+        let is_beyond = value.above(0.0);
+        (low, high) = (R::select(is_beyond, low, x), R::select(is_beyond, x, high));
         let newton = x - value / (cosine - slope * sine);
         // False also for NaN, where the derivative is zero.
-        let inside = newton >= low && newton <= high;
-        let next = if inside { newton } else { 0.5 * (low + high) };
+        let inside = newton.ge(low) & newton.le(high);
+        let next = R::select(inside, newton, (low + high) * 0.5);
         let step = (next - x).abs();
-        x = next;
+        x = R::select(goes_on, next, x);
         slope = erf_inverse(x);
         // A step squares the error, or halves it at the upper end, where the density is zero.
-        if step < 1e-4 {
+        goes_on = goes_on & step.ge(step.like(1e-4));
+        if !goes_on.any() {
             break;
         }
     }
@@ -275,6 +343,7 @@ mod tests {
     use super::*;
     use etendue_testkit::quadrature::integrate_hemisphere;
     use etendue_testkit::{ChiSquare, TestRng};
+    use glam::Vec3;
 
     fn distributions() -> impl Iterator<Item = Microfacets> {
         [Distribution::Beckmann, Distribution::Ggx].into_iter().flat_map(|distribution| {
@@ -298,7 +367,7 @@ mod tests {
         for microfacets in distributions() {
             for wi in incident() {
                 let sample =
-                    |random: &mut TestRng| Some(microfacets.sample(wi, random.next_vec2()));
+                    |random: &mut TestRng| Some(microfacets.sample(wi, random.next_vec2()).into());
                 let pdf = |m: Vec3| if m.z > 0.0 { microfacets.pdf(wi, m) } else { 0.0 };
                 let outcome = test.sphere(sample, pdf);
                 assert!(outcome.accepted(), "{microfacets:?} from {wi}: {outcome}");
@@ -320,7 +389,7 @@ mod tests {
     fn masking_leaves_the_projected_area() {
         for microfacets in distributions() {
             for wi in incident() {
-                let exact = microfacets.exact_masking_over_cosine(wi);
+                let exact = microfacets.exact_masking_over_cosine(wi.into());
                 let seen = |m: Vec3| f64::from(microfacets.density(m) * wi.dot(m).max(0.0));
                 let area = integrate_hemisphere(seen, 1e-4) * f64::from(exact);
                 assert!((area - 1.0).abs() < 1e-3, "{microfacets:?} from {wi}: {area}");
@@ -335,7 +404,7 @@ mod tests {
         for alpha in [0.0, -1.0, f32::NAN, 1e-9] {
             let microfacets =
                 Microfacets::new(Distribution::Ggx, NormalSampling::Visible, Vec2::splat(alpha));
-            assert_eq!(microfacets.alpha, Vec2::splat(MIN_ALPHA));
+            assert_eq!(Vec2::from(microfacets.alpha), Vec2::splat(MIN_ALPHA));
         }
     }
 

@@ -6,14 +6,16 @@ use super::inputs::{
     ColorShift, coated_base, internal_diffuse_reflectance, reflectance, relative_index,
     specular_probability,
 };
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::{BsdfSample, Closure, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
+use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_sampling::warp::cosine_hemisphere;
-use etendue_spectrum::Spectrum;
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The matt base, which the rough coat has too.
@@ -78,47 +80,119 @@ impl Plastic {
     #[must_use]
     pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> PlasticClosure {
         let reflectance = self.diffuse_reflectance.eval(textures, surface);
+        let base = coated_base(reflectance, self.thrown_back, self.shift) / (self.eta * self.eta);
         PlasticClosure {
-            base: coated_base(reflectance, self.thrown_back, self.shift) / (self.eta * self.eta),
-            reflectance,
-            specular: self.specular_reflectance.eval(textures, surface),
+            base: base.into(),
+            reflectance: reflectance.into(),
+            specular: self.specular_reflectance.eval(textures, surface).into(),
             eta: self.eta,
             thrown_back: self.thrown_back,
         }
     }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.diffuse_reflectance.is_constant() && self.specular_reflectance.is_constant()
+    }
 }
 
 /// A resolved smooth coat over a matt base.
-#[derive(Clone, Copy, Debug)]
-pub struct PlasticClosure {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PlasticClosure<R = f32> {
     /// The base's reflectance with the light thrown back, over the squared index.
-    base: Spectrum,
+    base: SpectrumLanes<R>,
     /// The base's reflectance alone, which weighs the choice of lobes.
-    reflectance: Spectrum,
-    specular: Spectrum,
-    eta: f32,
-    thrown_back: f32,
+    reflectance: SpectrumLanes<R>,
+    specular: SpectrumLanes<R>,
+    eta: R,
+    thrown_back: R,
 }
 
-impl PlasticClosure {
+impl<R: Real> PlasticClosure<R> {
+    /// The same closure with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> PlasticClosure<T> {
+        PlasticClosure {
+            base: numbers.spectrum(self.base),
+            reflectance: numbers.spectrum(self.reflectance),
+            specular: numbers.spectrum(self.specular),
+            eta: numbers.number(self.eta),
+            thrown_back: numbers.number(self.thrown_back),
+        }
+    }
+
     /// The share of light that goes through the coat.
-    #[inline]
-    fn transmitted(&self, direction: Vec3) -> f32 {
-        1.0 - fresnel::dielectric(direction.z, self.eta).reflectance
+    #[inline(always)]
+    fn transmitted(&self, cosine: R) -> R {
+        -fresnel::dielectric(cosine, self.eta).reflectance + 1.0
+    }
+
+    /// The share of samples that go to the mirror, where the coat lets the share `entering` in.
+    #[inline(always)]
+    fn specular_probability(&self, entering: R) -> R {
+        specular_probability(self.specular, self.reflectance, -entering + 1.0)
+    }
+
+    /// What the base does. `wi` is above the surface, and `entering` the share of its light that the
+    /// coat lets in.
+    #[inline(always)]
+    fn eval_pdf_entering(&self, entering: R, wo: Vector3<R>) -> (SpectrumLanes<R>, R) {
+        let cosine = cosine_hemisphere::pdf_lanes(wo);
+        let value = self.base * (cosine * entering * self.transmitted(wo.z));
+        (value, cosine * (-self.specular_probability(entering) + 1.0))
+    }
+}
+
+impl<R: Real> LaneClosure<R> for PlasticClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        let above = wi.z.above(0.0) & wo.z.above(0.0);
+        let nothing = (SpectrumLanes::grey(wi.z.zero()), wi.z.zero());
+        if !above.any() {
+            return nothing;
+        }
+        let (value, pdf) = self.eval_pdf_entering(self.transmitted(wi.z), wo);
+        (SpectrumLanes::select(above, value, nothing.0), R::select(above, pdf, nothing.1))
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        lobe: R,
+        direction: Vector2<R>,
+        _transport: Transport,
+    ) -> SampleLanes<R> {
+        let above = wi.z.above(0.0);
+        if !above.any() {
+            return SampleLanes::none(wi);
+        }
+        let entering = self.transmitted(wi.z);
+        let probability = self.specular_probability(entering);
+        let is_specular = lobe.lt(probability);
+        let weight = self.specular * ((-entering + 1.0) / probability);
+        let (wo, pdf, exists) = (fresnel::mirror(wi), probability, above);
+        let mirrored = SampleLanes { wo, weight, pdf, exists, ..SampleLanes::none(wi) };
+        if is_specular.all() {
+            return mirrored;
+        }
+        let wo = cosine_hemisphere::sample_lanes(direction);
+        let (value, pdf) = self.eval_pdf_entering(entering, wo);
+        let (weight, exists) = (value / pdf, above & pdf.above(0.0));
+        let base = SampleLanes { wo, weight, pdf, exists, ..SampleLanes::smooth(wi) };
+        SampleLanes::select(is_specular, mirrored, base)
     }
 }
 
 impl Closure for PlasticClosure {
     #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
-        if wi.z <= 0.0 || wo.z <= 0.0 {
-            return (Spectrum::ZERO, 0.0);
-        }
-        let entering = self.transmitted(wi);
-        let cosine = cosine_hemisphere::pdf(wo);
-        let specular = specular_probability(self.specular, self.reflectance, 1.0 - entering);
-        let value = self.base * (cosine * entering * self.transmitted(wo));
-        (value, cosine * (1.0 - specular))
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
@@ -129,20 +203,7 @@ impl Closure for PlasticClosure {
         direction: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let reflected = 1.0 - self.transmitted(wi);
-        let specular = specular_probability(self.specular, self.reflectance, reflected);
-        if lobe < specular {
-            let wo = Vec3::new(-wi.x, -wi.y, wi.z);
-            let weight = self.specular * (reflected / specular);
-            return Some(BsdfSample { wo, weight, pdf: specular, eta: 1.0, lobe: Lobe::Delta });
-        }
-        let wo = cosine_hemisphere::sample(direction);
-        let (value, pdf) = self.eval_pdf(wi, wo, transport);
-        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
-        (pdf > 0.0).then(sample)
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     #[inline]
@@ -154,10 +215,10 @@ impl Closure for PlasticClosure {
         if wi.z <= 0.0 {
             return Spectrum::ZERO;
         }
-        let entering = self.transmitted(wi);
+        let entering = self.transmitted(wi.z);
         // What diffuse light leaves through the coat: (1 − F inside) η² of (1 − F outside) / η².
         let leaving = (1.0 - self.thrown_back) * self.eta * self.eta;
-        self.specular * (1.0 - entering) + self.base * (entering * leaving)
+        (self.specular * (1.0 - entering) + self.base * (entering * leaving)).into()
     }
 }
 

@@ -1,5 +1,6 @@
 //! From a material and a hit to a resolved [`Bsdf`].
 
+use super::coat::CoatTable;
 use super::{
     BsdfSample, Closure, LaneMaterial, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric,
     diffuse, hair, mask, measured, normalmap, null, plastic, principled, principledthin,
@@ -113,7 +114,7 @@ materials! {
         /// A smooth coating over a diffuse base.
         Plastic: plastic::Plastic => plastic::PlasticClosure,
         /// A rough coating over a diffuse base.
-        RoughPlastic: roughplastic::RoughPlastic => roughplastic::RoughPlasticClosure<'a>,
+        RoughPlastic: roughplastic::RoughPlastic => roughplastic::RoughPlasticClosure<&'a CoatTable>,
         /// Disney's material.
         Principled: principled::Principled => principled::PrincipledClosure<'a>,
         /// Disney's material for sheets.

@@ -337,7 +337,7 @@ impl Facing<'_> {
 
     #[inline]
     fn sample_direction(&self, lobe: f32, uniform: Vec2) -> Option<(Vec3, f32, Lobe)> {
-        let m = self.closure.base.microfacets(1.0).sample(self.wi, uniform);
+        let m = Vec3::from(self.closure.base.microfacets(1.0).sample(self.wi, uniform));
         let interface = fresnel::dielectric(self.wi.dot(m), self.eta);
         let choice = self.choice(interface.reflectance)?;
         let mut remaining = lobe;

@@ -246,11 +246,12 @@ impl PrincipledThinClosure<'_> {
             here
         };
         if chosen(lobes.specular_reflection) {
-            let wo = fresnel::reflect(wi, self.base.microfacets(1.0).sample(wi, uniform));
+            let m = self.base.microfacets(1.0).sample(wi, uniform);
+            let wo = fresnel::reflect(wi, m.into());
             return (wo.z > 0.0).then_some((wo, Lobe::Smooth));
         }
         if chosen(lobes.specular_transmission) {
-            let m = self.passing_normals().sample(wi, uniform);
+            let m = Vec3::from(self.passing_normals().sample(wi, uniform));
             let wo = through(fresnel::reflect(wi, m));
             return (wo.z < 0.0 && wo.dot(m) < 0.0).then_some((wo, Lobe::Smooth));
         }

@@ -2,14 +2,16 @@
 
 use super::conductor::{ETA, EXT_ETA, K, MATERIAL, SPECULAR_REFLECTANCE};
 use super::inputs::{MetalIndex, Roughness, reflectance};
-use super::microfacet::Microfacets;
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::microfacet::{Distribution, Microfacets};
+use super::{BsdfSample, Closure, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
-use etendue_spectrum::Spectrum;
+use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The parameters of the roughness, which the other rough materials have too.
@@ -92,61 +94,131 @@ impl RoughConductor {
     ) -> RoughConductorClosure {
         let [eta, k] = self.index.resolve(textures, surface);
         RoughConductorClosure {
-            eta,
-            k,
-            specular: self.specular_reflectance.eval(textures, surface),
+            eta: eta.into(),
+            k: k.into(),
+            specular: self.specular_reflectance.eval(textures, surface).into(),
             microfacets: self.roughness.resolve(textures, surface),
         }
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.index.is_uniform()
+            && self.specular_reflectance.is_constant()
+            && self.roughness.is_uniform()
+    }
+
+    /// The distribution of its normals where visible ones are sampled.
+    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+        self.roughness.visible_distribution()
     }
 }
 
 /// A resolved rough metal.
 #[derive(Clone, Copy, Debug)]
-pub struct RoughConductorClosure {
-    eta: Spectrum,
-    k: Spectrum,
-    specular: Spectrum,
-    microfacets: Microfacets,
+pub struct RoughConductorClosure<R = f32> {
+    eta: SpectrumLanes<R>,
+    k: SpectrumLanes<R>,
+    specular: SpectrumLanes<R>,
+    microfacets: Microfacets<R>,
 }
 
 impl RoughConductorClosure {
-    /// Value and density where the microfacets between `wi` and `wo` have the normal `m`.
-    #[inline]
-    fn eval_pdf_at(&self, wi: Vec3, wo: Vec3, m: Vec3) -> (Spectrum, f32) {
+    /// One that reflects nothing.
+    pub(super) fn black(distribution: Distribution) -> Self {
+        let [eta, k, specular] = Default::default();
+        Self { eta, k, specular, microfacets: Microfacets::visible(distribution) }
+    }
+}
+
+impl<R: Real> RoughConductorClosure<R> {
+    /// The same closure with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(
+        self,
+        numbers: &mut impl Transfer<R, T>,
+    ) -> RoughConductorClosure<T> {
+        RoughConductorClosure {
+            eta: numbers.spectrum(self.eta),
+            k: numbers.spectrum(self.k),
+            specular: numbers.spectrum(self.specular),
+            microfacets: self.microfacets.transfer(numbers),
+        }
+    }
+
+    /// Value and density where the microfacets between `wi` and `wo` have the normal `m`; zero
+    /// where not both are `above` the surface.
+    #[inline(always)]
+    fn eval_pdf_at(
+        &self,
+        above: R::Mask,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        m: Vector3<R>,
+    ) -> (SpectrumLanes<R>, R) {
         let reflection = self.microfacets.reflection(wi, wo, m);
-        let tint = fresnel::conductor(wi.dot(m).clamp(0.0, 1.0), self.eta, self.k) * self.specular;
-        (tint * reflection.value, reflection.pdf)
+        let value = R::select(above, reflection.value, reflection.value.zero());
+        let pdf = R::select(above, reflection.pdf, reflection.pdf.zero());
+        let cosine = wi.dot(m);
+        let cosine = cosine.max(cosine.zero()).min(cosine.like(1.0));
+        (fresnel::conductor(cosine, self.eta, self.k) * self.specular * value, pdf)
+    }
+}
+
+impl<R: Real> LaneClosure<R> for RoughConductorClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        let above = wi.z.above(0.0) & wo.z.above(0.0);
+        if !above.any() {
+            return (SpectrumLanes::grey(wi.z.zero()), wi.z.zero());
+        }
+        self.eval_pdf_at(above, wi, wo, (wi + wo).normalize_or_zero())
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        _lobe: R,
+        direction: Vector2<R>,
+        _transport: Transport,
+    ) -> SampleLanes<R> {
+        let above = wi.z.above(0.0);
+        if !above.any() {
+            return SampleLanes::none(wi);
+        }
+        let m = self.microfacets.sample(wi, direction);
+        let wo = fresnel::reflect_lanes(wi, m);
+        let above = above & wo.z.above(0.0);
+        if !above.any() {
+            return SampleLanes::none(wi);
+        }
+        let (value, pdf) = self.eval_pdf_at(above, wi, wo, m);
+        let exists = pdf.above(0.0);
+        SampleLanes { wo, weight: value / pdf, pdf, exists, ..SampleLanes::smooth(wi) }
     }
 }
 
 impl Closure for RoughConductorClosure {
     #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
-        if wi.z <= 0.0 || wo.z <= 0.0 {
-            return (Spectrum::ZERO, 0.0);
-        }
-        self.eval_pdf_at(wi, wo, (wi + wo).normalize_or_zero())
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
     fn sample(
         &self,
         wi: Vec3,
-        _lobe: f32,
+        lobe: f32,
         direction: Vec2,
-        _transport: Transport,
+        transport: Transport,
     ) -> Option<BsdfSample> {
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let m = self.microfacets.sample(wi, direction);
-        let wo = fresnel::reflect(wi, m);
-        if wo.z <= 0.0 {
-            return None;
-        }
-        let (value, pdf) = self.eval_pdf_at(wi, wo, m);
-        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
-        (pdf > 0.0).then(sample)
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     #[inline]
@@ -158,7 +230,7 @@ impl Closure for RoughConductorClosure {
         if wi.z <= 0.0 {
             return Spectrum::ZERO;
         }
-        fresnel::conductor(wi.z, self.eta, self.k) * self.specular
+        (fresnel::conductor(wi.z, self.eta, self.k) * self.specular).into()
     }
 }
 

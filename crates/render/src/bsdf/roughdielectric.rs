@@ -3,15 +3,17 @@
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE, radiance_scale};
 use super::inputs::{Roughness, reflectance, rough_relative_index};
-use super::microfacet::{Microfacets, NormalSampling};
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::microfacet::{Distribution, Microfacets, NormalSampling};
 use super::roughconductor::{ALPHA, ALPHA_U, ALPHA_V, DISTRIBUTION, SAMPLE_VISIBLE};
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::{BsdfSample, Closure, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::Manual;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
-use etendue_spectrum::Spectrum;
+use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The manual page.
@@ -65,93 +67,155 @@ impl RoughDielectric {
         surface: &SurfaceInteraction,
     ) -> RoughDielectricClosure {
         RoughDielectricClosure {
-            reflectance: self.specular_reflectance.eval(textures, surface),
-            transmittance: self.specular_transmittance.eval(textures, surface),
+            reflectance: self.specular_reflectance.eval(textures, surface).into(),
+            transmittance: self.specular_transmittance.eval(textures, surface).into(),
             eta: self.eta,
             microfacets: self.roughness.resolve(textures, surface),
         }
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.specular_reflectance.is_constant()
+            && self.specular_transmittance.is_constant()
+            && self.roughness.is_uniform()
+    }
+
+    /// The distribution of its normals where visible ones are sampled.
+    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+        self.roughness.visible_distribution()
     }
 }
 
 /// A resolved rough dielectric interface.
 #[derive(Clone, Copy, Debug)]
-pub struct RoughDielectricClosure {
-    reflectance: Spectrum,
-    transmittance: Spectrum,
-    eta: f32,
-    microfacets: Microfacets,
+pub struct RoughDielectricClosure<R = f32> {
+    reflectance: SpectrumLanes<R>,
+    transmittance: SpectrumLanes<R>,
+    eta: R,
+    microfacets: Microfacets<R>,
 }
 
 /// The interface as seen from the side of `wi`, which is above.
-struct Facing<'a> {
-    closure: &'a RoughDielectricClosure,
-    wi: Vec3,
+struct Facing<'a, R> {
+    closure: &'a RoughDielectricClosure<R>,
+    wi: Vector3<R>,
     /// The index below over the index above.
-    eta: f32,
+    eta: R,
     /// The distribution that normals are sampled from.
-    sampled: Microfacets,
+    sampled: Microfacets<R>,
+    /// −1 where everything is upside down, else 1.
+    side: R,
+}
+
+/// A value without its colour, and a density.
+struct Share<R> {
+    value: R,
+    pdf: R,
+}
+
+impl<R: Real> Share<R> {
+    #[inline(always)]
+    fn nothing(like: R) -> Self {
+        Self { value: like.zero(), pdf: like.zero() }
+    }
 }
 
 impl RoughDielectricClosure {
-    /// Turns what comes from below upside down. The distribution of normals is symmetric, so the
-    /// whole vectors can be negated. The factor is −1 then: it takes directions there and back.
-    #[inline]
-    fn facing(&self, wi: Vec3) -> Option<(Facing<'_>, f32)> {
-        if wi.z == 0.0 {
-            return None;
-        }
-        let (side, eta) = if wi.z > 0.0 { (1.0, self.eta) } else { (-1.0, 1.0 / self.eta) };
-        let wi = wi * side;
-        let sampled = match self.microfacets.sampling() {
-            NormalSampling::Visible => self.microfacets,
-            // Walter et al., section 5.3: a wider distribution keeps the weights down.
-            NormalSampling::All => self.microfacets.scaled(1.2 - 0.2 * wi.z.sqrt()),
-        };
-        Some((Facing { closure: self, wi, eta, sampled }, side))
+    /// One that scatters nothing.
+    pub(super) fn black(distribution: Distribution) -> Self {
+        let [reflectance, transmittance] = Default::default();
+        let microfacets = Microfacets::visible(distribution);
+        Self { reflectance, transmittance, eta: 1.0, microfacets }
     }
 }
 
-impl Facing<'_> {
-    /// The normal of the microfacets that take the light to `wo`, above the surface; `None` where
-    /// there is none, or where it cannot be seen from both.
-    #[inline]
-    fn normal(&self, wo: Vec3) -> Option<Vec3> {
-        let relative = if wo.z > 0.0 { 1.0 } else { self.eta };
-        let m = (self.wi + wo * relative).normalize_or_zero();
-        let m = if m.z < 0.0 { -m } else { m };
-        (self.wi.dot(m) > 0.0 && wo.dot(m) * wo.z > 0.0).then_some(m)
+impl<R: Real> RoughDielectricClosure<R> {
+    /// The same closure with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(
+        self,
+        numbers: &mut impl Transfer<R, T>,
+    ) -> RoughDielectricClosure<T> {
+        RoughDielectricClosure {
+            reflectance: numbers.spectrum(self.reflectance),
+            transmittance: numbers.spectrum(self.transmittance),
+            eta: numbers.number(self.eta),
+            microfacets: self.microfacets.transfer(numbers),
+        }
     }
 
-    #[inline]
-    fn eval_pdf_at(&self, wo: Vec3, m: Vec3, transport: Transport) -> (Spectrum, f32) {
-        let reflected = fresnel::dielectric(self.wi.dot(m), self.eta).reflectance;
-        let (tint, share, (value, pdf)) = if wo.z > 0.0 {
-            (self.closure.reflectance, reflected, self.reflection(wo, m))
-        } else {
-            let tint = self.closure.transmittance * radiance_scale(1.0 / self.eta, transport);
-            (tint, 1.0 - reflected, self.transmission(wo, m))
+    /// Turns what comes from below upside down. The distribution of normals is symmetric, so the
+    /// whole vectors can be negated.
+    #[inline(always)]
+    fn facing(&self, wi: Vector3<R>) -> Facing<'_, R> {
+        let is_front = wi.z.above(0.0);
+        let one = wi.z.like(1.0);
+        let side = R::select(is_front, one, -one);
+        let wi = wi * side;
+        let eta = R::select(is_front, self.eta, self.eta.reciprocal());
+        let sampled = match self.microfacets.sampling() {
+            NormalSampling::Visible => self.microfacets,
+            // Walter et al., section 5.3: a wider distribution keeps the weights down.
+            NormalSampling::All => self.microfacets.scaled(-wi.z.sqrt() * 0.2 + 1.2),
         };
+        Facing { closure: self, wi, eta, sampled, side }
+    }
+}
+
+impl<R: Real> Facing<'_, R> {
+    /// The normal of the microfacets that take the light to `wo`, above the surface, and whether
+    /// there is one and it can be seen from both.
+    #[inline(always)]
+    fn normal(&self, wo: Vector3<R>) -> (Vector3<R>, R::Mask) {
+        let relative = R::select(wo.z.above(0.0), self.eta.like(1.0), self.eta);
+        let m = (self.wi + wo * relative).normalize_or_zero();
+        let m = Vector3::select(m.z.below(0.0), -m, m);
+        (m, self.wi.dot(m).above(0.0) & (wo.dot(m) * wo.z).above(0.0))
+    }
+
+    #[inline(always)]
+    fn eval_pdf_at(
+        &self,
+        wo: Vector3<R>,
+        m: Vector3<R>,
+        transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        let reflected = fresnel::dielectric(self.wi.dot(m), self.eta).reflectance;
+        let reflects = wo.z.above(0.0);
+        let [mut reflection, mut transmission] = [(), ()].map(|()| Share::nothing(reflected));
+        if reflects.any() {
+            reflection = self.reflection(wo, m);
+        }
+        if !reflects.all() {
+            transmission = self.transmission(wo, m);
+        }
+        let share = R::select(reflects, reflected, -reflected + 1.0);
+        let value = R::select(reflects, reflection.value, transmission.value);
+        let pdf = R::select(reflects, reflection.pdf, transmission.pdf);
         // The Jacobians overflow along grazing microfacets, and straight on where the indices are
         // nearly equal.
-        if !(value.is_finite() && pdf.is_finite()) {
-            return (Spectrum::ZERO, 0.0);
-        }
-        (tint * (share * value), share * pdf)
+        let exists = value.is_finite() & pdf.is_finite();
+        let value = R::select(exists, share * value, share.zero());
+        let scale = radiance_scale(self.eta.reciprocal(), transport);
+        let (mirror, through) = (self.closure.reflectance, self.closure.transmittance * scale);
+        let tint = SpectrumLanes::select(reflects, mirror, through);
+        (tint * value, R::select(exists, share * pdf, share.zero()))
     }
 
-    #[inline]
-    fn reflection(&self, wo: Vec3, m: Vec3) -> (f32, f32) {
+    #[inline(always)]
+    fn reflection(&self, wo: Vector3<R>, m: Vector3<R>) -> Share<R> {
         let reflection = self.closure.microfacets.reflection(self.wi, wo, m);
         let pdf = match self.sampled.sampling() {
             NormalSampling::Visible => reflection.pdf,
-            NormalSampling::All => 0.25 * self.sampled.pdf(self.wi, m) / self.wi.dot(m),
+            NormalSampling::All => self.sampled.pdf(self.wi, m) * 0.25 / self.wi.dot(m),
         };
-        (reflection.value, pdf)
+        Share { value: reflection.value, pdf }
     }
 
     /// Walter et al., equation 21 without Fresnel's term, and the density after equation 17.
-    #[inline]
-    fn transmission(&self, wo: Vec3, m: Vec3) -> (f32, f32) {
+    #[inline(always)]
+    fn transmission(&self, wo: Vector3<R>, m: Vector3<R>) -> Share<R> {
         let microfacets = &self.closure.microfacets;
         let (cos_i, cos_o) = (self.wi.dot(m), wo.dot(m).abs());
         let root = cos_i - self.eta * cos_o;
@@ -159,17 +223,67 @@ impl Facing<'_> {
         let masking = microfacets.masking_over_cosine(self.wi)
             * (microfacets.masking_over_cosine(wo) * -wo.z);
         let value = microfacets.density(m) * masking * cos_i * jacobian;
-        (value, self.sampled.pdf(self.wi, m) * jacobian)
+        Share { value, pdf: self.sampled.pdf(self.wi, m) * jacobian }
+    }
+}
+
+impl<R: Real> LaneClosure<R> for RoughDielectricClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        let facing = self.facing(wi);
+        let wo = wo * facing.side;
+        let (m, exists) = facing.normal(wo);
+        let nothing = (SpectrumLanes::grey(wi.z.zero()), wi.z.zero());
+        if !exists.any() {
+            return nothing;
+        }
+        let (value, pdf) = facing.eval_pdf_at(wo, m, transport);
+        (SpectrumLanes::select(exists, value, nothing.0), R::select(exists, pdf, nothing.1))
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        lobe: R,
+        direction: Vector2<R>,
+        transport: Transport,
+    ) -> SampleLanes<R> {
+        let facing = self.facing(wi);
+        let m = facing.sampled.sample(facing.wi, direction);
+        let cosine = facing.wi.dot(m);
+        let interface = fresnel::dielectric(cosine, facing.eta);
+        let reflects = lobe.lt(interface.reflectance);
+        let reflected = fresnel::reflect_lanes(facing.wi, m);
+        let refracted = fresnel::refract_lanes(facing.wi, m, &interface);
+        let wo = Vector3::select(reflects, reflected, refracted);
+        // Light that would need a second microfacet is lost.
+        let stays = reflects & wo.z.above(0.0) | !reflects & wo.z.below(0.0);
+        let exists = facing.wi.z.above(0.0) & cosine.above(0.0) & stays;
+        if !exists.any() {
+            return SampleLanes::none(wi);
+        }
+        let (value, pdf) = facing.eval_pdf_at(wo, m, transport);
+        SampleLanes {
+            wo: wo * facing.side,
+            weight: value / pdf,
+            pdf,
+            eta: R::select(reflects, pdf.like(1.0), facing.eta),
+            exists: exists & pdf.above(0.0),
+            ..SampleLanes::smooth(wi)
+        }
     }
 }
 
 impl Closure for RoughDielectricClosure {
     #[inline]
     fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        let nothing = (Spectrum::ZERO, 0.0);
-        let Some((facing, side)) = self.facing(wi) else { return nothing };
-        let wo = wo * side;
-        facing.normal(wo).map_or(nothing, |m| facing.eval_pdf_at(wo, m, transport))
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
@@ -180,27 +294,7 @@ impl Closure for RoughDielectricClosure {
         direction: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        let (facing, side) = self.facing(wi)?;
-        let m = facing.sampled.sample(facing.wi, direction);
-        let cosine = facing.wi.dot(m);
-        if cosine <= 0.0 {
-            return None;
-        }
-        let interface = fresnel::dielectric(cosine, facing.eta);
-        let (wo, eta) = if lobe < interface.reflectance {
-            (fresnel::reflect(facing.wi, m), 1.0)
-        } else {
-            (fresnel::refract(facing.wi, m, &interface), facing.eta)
-        };
-        // Light that would need a second microfacet is lost.
-        let reflected = lobe < interface.reflectance;
-        if wo.z == 0.0 || (wo.z > 0.0) != reflected {
-            return None;
-        }
-        let (value, pdf) = facing.eval_pdf_at(wo, m, transport);
-        let sample =
-            || BsdfSample { wo: wo * side, weight: value / pdf, pdf, eta, lobe: Lobe::Smooth };
-        (pdf > 0.0).then(sample)
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     #[inline]
@@ -210,7 +304,7 @@ impl Closure for RoughDielectricClosure {
 
     fn albedo(&self, wi: Vec3) -> Spectrum {
         let reflected = fresnel::dielectric(wi.z, self.eta).reflectance;
-        self.reflectance * reflected + self.transmittance * (1.0 - reflected)
+        (self.reflectance * reflected + self.transmittance * (1.0 - reflected)).into()
     }
 }
 

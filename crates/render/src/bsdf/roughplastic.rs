@@ -1,23 +1,25 @@
 //! `roughplastic`: a rough clear coat over a matt base.
 
-use super::coat::CoatTable;
+use super::coat::{CoatTable, Coats};
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::EXT_IOR;
 use super::inputs::{
     ColorShift, coated_base, distribution, reflectance, rough_relative_index, scalar_within,
     specular_probability,
 };
-use super::microfacet::Microfacets;
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::microfacet::{Distribution, Microfacets};
 use super::plastic::{DIFFUSE_REFLECTANCE, INT_IOR, NONLINEAR};
 use super::roughconductor::{ALPHA, DISTRIBUTION, SAMPLE_VISIBLE};
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::{BsdfSample, Closure, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual};
 use crate::texture::{ColorSource, ScalarSource, Textures};
 use etendue_document::{Fault, Parameters};
+use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_sampling::warp::cosine_hemisphere;
-use etendue_spectrum::Spectrum;
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The manual page.
@@ -87,52 +89,154 @@ impl RoughPlastic {
     /// Reads the textures at a hit.
     #[inline]
     #[must_use]
-    pub fn resolve(
+    pub(super) fn resolve(
         &self,
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
-    ) -> RoughPlasticClosure<'_> {
+    ) -> RoughPlasticClosure<&CoatTable> {
         let reflectance = self.diffuse_reflectance.eval(textures, surface);
         let base = coated_base(reflectance, self.table.thrown_back, self.shift);
         RoughPlasticClosure {
-            base: base / (self.eta * self.eta),
-            reflectance,
-            specular: self.specular_reflectance.eval(textures, surface),
+            base: (base / (self.eta * self.eta)).into(),
+            reflectance: reflectance.into(),
+            specular: self.specular_reflectance.eval(textures, surface).into(),
             microfacets: self.microfacets,
             eta: self.eta,
-            table: &self.table,
+            coat: &*self.table,
+        }
+    }
+
+    /// What the coat lets through.
+    #[inline(always)]
+    pub(super) fn coat(&self) -> &CoatTable {
+        &self.table
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.diffuse_reflectance.is_constant() && self.specular_reflectance.is_constant()
+    }
+
+    /// The distribution of its normals where visible ones are sampled.
+    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+        self.microfacets.visible_distribution()
+    }
+}
+
+/// A resolved rough coat over a matt base. `C` tells what it lets through.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RoughPlasticClosure<C, R = f32> {
+    /// The base's reflectance with the light thrown back, over the squared index.
+    base: SpectrumLanes<R>,
+    /// The base's reflectance alone, which weighs the choice of lobes.
+    reflectance: SpectrumLanes<R>,
+    specular: SpectrumLanes<R>,
+    microfacets: Microfacets<R>,
+    eta: R,
+    coat: C,
+}
+
+impl RoughPlasticClosure<&CoatTable> {
+    /// One that reflects nothing.
+    pub(super) fn black(distribution: Distribution) -> Self {
+        let [base, reflectance, specular] = Default::default();
+        let microfacets = Microfacets::visible(distribution);
+        Self { base, reflectance, specular, microfacets, eta: 1.0, coat: &CoatTable::BLACK }
+    }
+}
+
+impl<C, R: Real> RoughPlasticClosure<C, R> {
+    /// The same closure with its numbers passed on, in lanes or out of them, and its coat replaced.
+    #[inline(always)]
+    pub(super) fn transfer<D, T: Real>(
+        self,
+        numbers: &mut impl Transfer<R, T>,
+        coat: D,
+    ) -> RoughPlasticClosure<D, T> {
+        RoughPlasticClosure {
+            base: numbers.spectrum(self.base),
+            reflectance: numbers.spectrum(self.reflectance),
+            specular: numbers.spectrum(self.specular),
+            microfacets: self.microfacets.transfer(numbers),
+            eta: numbers.number(self.eta),
+            coat,
         }
     }
 }
 
-/// A resolved rough coat over a matt base.
-#[derive(Clone, Copy, Debug)]
-pub struct RoughPlasticClosure<'a> {
-    /// The base's reflectance with the light thrown back, over the squared index.
-    base: Spectrum,
-    /// The base's reflectance alone, which weighs the choice of lobes.
-    reflectance: Spectrum,
-    specular: Spectrum,
-    microfacets: Microfacets,
-    eta: f32,
-    table: &'a CoatTable,
-}
+impl<C: Coats<R>, R: Real> RoughPlasticClosure<C, R> {
+    /// The share of samples that go to the coat, where it lets the share `entering` in.
+    #[inline(always)]
+    fn specular_probability(&self, entering: R) -> R {
+        specular_probability(self.specular, self.reflectance, -entering + 1.0)
+    }
 
-impl Closure for RoughPlasticClosure<'_> {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
-        if wi.z <= 0.0 || wo.z <= 0.0 {
-            return (Spectrum::ZERO, 0.0);
+    /// Value and density where the coat lets the share `entering` of the light from `wi` in.
+    #[inline(always)]
+    fn eval_pdf_entering(
+        &self,
+        entering: R,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+    ) -> (SpectrumLanes<R>, R) {
+        let above = wi.z.above(0.0) & wo.z.above(0.0);
+        let nothing = (SpectrumLanes::grey(wi.z.zero()), wi.z.zero());
+        if !above.any() {
+            return nothing;
         }
-        let entering = self.table.entering(wi.z);
-        let probability = specular_probability(self.specular, self.reflectance, 1.0 - entering);
+        let probability = self.specular_probability(entering);
         let m = (wi + wo).normalize_or_zero();
         let reflection = self.microfacets.reflection(wi, wo, m);
         let reflected = fresnel::dielectric(wi.dot(m), self.eta).reflectance;
-        let cosine = cosine_hemisphere::pdf(wo);
+        let cosine = cosine_hemisphere::pdf_lanes(wo);
         let value = self.specular * (reflected * reflection.value)
-            + self.base * (cosine * entering * self.table.entering(wo.z));
-        (value, probability * reflection.pdf + (1.0 - probability) * cosine)
+            + self.base * (cosine * entering * self.coat.entering(wo.z));
+        let pdf = probability * reflection.pdf + (-probability + 1.0) * cosine;
+        (SpectrumLanes::select(above, value, nothing.0), R::select(above, pdf, nothing.1))
+    }
+}
+
+impl<C: Coats<R>, R: Real> LaneClosure<R> for RoughPlasticClosure<C, R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        self.eval_pdf_entering(self.coat.entering(wi.z), wi, wo)
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        lobe: R,
+        direction: Vector2<R>,
+        _transport: Transport,
+    ) -> SampleLanes<R> {
+        if !wi.z.above(0.0).any() {
+            return SampleLanes::none(wi);
+        }
+        let entering = self.coat.entering(wi.z);
+        let is_specular = lobe.lt(self.specular_probability(entering));
+        let mut wo = wi;
+        if is_specular.any() {
+            wo = fresnel::reflect_lanes(wi, self.microfacets.sample(wi, direction));
+        }
+        if !is_specular.all() {
+            wo = Vector3::select(is_specular, wo, cosine_hemisphere::sample_lanes(direction));
+        }
+        let (value, pdf) = self.eval_pdf_entering(entering, wi, wo);
+        let exists = pdf.above(0.0);
+        SampleLanes { wo, weight: value / pdf, pdf, exists, ..SampleLanes::smooth(wi) }
+    }
+}
+
+impl Closure for RoughPlasticClosure<&CoatTable> {
+    #[inline]
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
@@ -143,20 +247,7 @@ impl Closure for RoughPlasticClosure<'_> {
         direction: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let reflected = 1.0 - self.table.entering(wi.z);
-        let probability = specular_probability(self.specular, self.reflectance, reflected);
-        let wo = if lobe < probability {
-            let m = self.microfacets.sample(wi, direction);
-            fresnel::reflect(wi, m)
-        } else {
-            cosine_hemisphere::sample(direction)
-        };
-        let (value, pdf) = self.eval_pdf(wi, wo, transport);
-        let sample = || BsdfSample { wo, weight: value / pdf, pdf, eta: 1.0, lobe: Lobe::Smooth };
-        (pdf > 0.0).then(sample)
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     #[inline]
@@ -168,10 +259,10 @@ impl Closure for RoughPlasticClosure<'_> {
         if wi.z <= 0.0 {
             return Spectrum::ZERO;
         }
-        let entering = self.table.entering(wi.z);
+        let entering = self.coat.entering(wi.z);
         // As much leaves the coat as is not thrown back, over the squared index seen from outside.
-        let leaving = (1.0 - self.table.thrown_back) * self.eta * self.eta;
-        self.specular * (1.0 - entering) + self.base * (entering * leaving)
+        let leaving = (1.0 - self.coat.thrown_back) * self.eta * self.eta;
+        (self.specular * (1.0 - entering) + self.base * (entering * leaving)).into()
     }
 }
 

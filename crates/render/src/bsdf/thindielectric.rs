@@ -3,13 +3,15 @@
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE};
 use super::inputs::{reflectance, relative_index};
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::{BsdfSample, Closure, Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::Manual;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
-use etendue_spectrum::Spectrum;
+use etendue_math::lanes::{Real, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
 /// The manual page.
@@ -49,35 +51,86 @@ impl ThinDielectric {
         surface: &SurfaceInteraction,
     ) -> ThinDielectricClosure {
         ThinDielectricClosure {
-            reflectance: self.specular_reflectance.eval(textures, surface),
-            transmittance: self.specular_transmittance.eval(textures, surface),
+            reflectance: self.specular_reflectance.eval(textures, surface).into(),
+            transmittance: self.specular_transmittance.eval(textures, surface).into(),
             eta: self.eta,
         }
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.specular_reflectance.is_constant() && self.specular_transmittance.is_constant()
     }
 }
 
 /// A resolved thin dielectric pane.
-#[derive(Clone, Copy, Debug)]
-pub struct ThinDielectricClosure {
-    reflectance: Spectrum,
-    transmittance: Spectrum,
-    eta: f32,
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ThinDielectricClosure<R = f32> {
+    reflectance: SpectrumLanes<R>,
+    transmittance: SpectrumLanes<R>,
+    eta: R,
 }
 
-impl ThinDielectricClosure {
-    /// The share of light that the pane reflects: with R at one face and T = 1 − R, the sum
-    /// R + T²R + T²R³ + … = 2R / (1 + R).
-    #[inline]
-    fn reflected(&self, wi: Vec3) -> f32 {
-        let once = fresnel::dielectric(wi.z.abs(), self.eta).reflectance;
-        2.0 * once / (1.0 + once)
+impl<R: Real> ThinDielectricClosure<R> {
+    /// The same closure with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(
+        self,
+        numbers: &mut impl Transfer<R, T>,
+    ) -> ThinDielectricClosure<T> {
+        ThinDielectricClosure {
+            reflectance: numbers.spectrum(self.reflectance),
+            transmittance: numbers.spectrum(self.transmittance),
+            eta: numbers.number(self.eta),
+        }
+    }
+
+    /// The share of light that the pane reflects at a cosine: with R at one face and T = 1 − R, the
+    /// sum R + T²R + T²R³ + … = 2R / (1 + R).
+    #[inline(always)]
+    fn reflected(&self, cosine: R) -> R {
+        let once = fresnel::dielectric(cosine.abs(), self.eta).reflectance;
+        once * 2.0 / (once + 1.0)
+    }
+}
+
+impl<R: Real> LaneClosure<R> for ThinDielectricClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        _wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        (SpectrumLanes::grey(wi.z.zero()), wi.z.zero())
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        lobe: R,
+        _direction: Vector2<R>,
+        _transport: Transport,
+    ) -> SampleLanes<R> {
+        let reflected = self.reflected(wi.z);
+        let reflects = lobe.lt(reflected);
+        let passed = -reflected + 1.0;
+        SampleLanes {
+            wo: Vector3::select(reflects, fresnel::mirror(wi), -wi),
+            weight: SpectrumLanes::select(reflects, self.reflectance, self.transmittance),
+            pdf: R::select(reflects, reflected, passed),
+            exists: reflects | passed.above(0.0),
+            straight: !reflects,
+            ..SampleLanes::none(wi)
+        }
     }
 }
 
 impl Closure for ThinDielectricClosure {
     #[inline]
-    fn eval_pdf(&self, _wi: Vec3, _wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
-        (Spectrum::ZERO, 0.0)
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        eval_pdf_alone(self, wi, wo, transport)
     }
 
     #[inline]
@@ -85,23 +138,15 @@ impl Closure for ThinDielectricClosure {
         &self,
         wi: Vec3,
         lobe: f32,
-        _direction: Vec2,
-        _transport: Transport,
+        direction: Vec2,
+        transport: Transport,
     ) -> Option<BsdfSample> {
-        let reflected = self.reflected(wi);
-        if lobe < reflected {
-            let wo = Vec3::new(-wi.x, -wi.y, wi.z);
-            let weight = self.reflectance;
-            return Some(BsdfSample { wo, weight, pdf: reflected, eta: 1.0, lobe: Lobe::Delta });
-        }
-        let pdf = 1.0 - reflected;
-        let weight = self.transmittance;
-        (pdf > 0.0).then_some(BsdfSample { wo: -wi, weight, pdf, eta: 1.0, lobe: Lobe::Null })
+        sample_alone(self, wi, lobe, direction, transport)
     }
 
     fn straight(&self, wi: Vec3) -> (Spectrum, f32) {
-        let passed = 1.0 - self.reflected(wi);
-        (self.transmittance * passed, passed)
+        let passed = 1.0 - self.reflected(wi.z);
+        ((self.transmittance * passed).into(), passed)
     }
 
     #[inline]
@@ -110,8 +155,8 @@ impl Closure for ThinDielectricClosure {
     }
 
     fn albedo(&self, wi: Vec3) -> Spectrum {
-        let reflected = self.reflected(wi);
-        self.reflectance * reflected + self.transmittance * (1.0 - reflected)
+        let reflected = self.reflected(wi.z);
+        (self.reflectance * reflected + self.transmittance * (1.0 - reflected)).into()
     }
 }
 

@@ -6,7 +6,8 @@ use etendue_math::lanes::{Level, MAX_LANES, Mask as _, baseline};
 use etendue_math::with_lanes;
 use etendue_testkit::TestRng;
 
-/// Materials of every kind, with parameters that differ from lane to lane, and at their limits.
+/// Materials of every kind, in the order of the kinds, with parameters that differ from lane to lane
+/// and go to their limits.
 #[rustfmt::skip]
 const MATERIALS: &[&[&str]] = &[
     &[
@@ -15,11 +16,74 @@ const MATERIALS: &[&[&str]] = &[
         r#"<bsdf type="diffuse"><texture name="reflectance" type="checkerboard"/></bsdf>"#,
         r#"<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>"#,
     ],
+    &[
+        r#"<bsdf type="plastic"/>"#,
+        r#"<bsdf type="plastic"><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+        r#"<bsdf type="plastic"><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.001"/><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.6"/><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.3"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.001"/><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.6"/><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.3"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="conductor"><string name="material" value="Au"/></bsdf>"#,
+        r#"<bsdf type="conductor"/>"#,
+        r#"<bsdf type="conductor"><float name="eta" value="0"/><float name="k" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="conductor"><texture name="specular_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><string name="material" value="Cu"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha" value="0"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.001"/><float name="alpha_v" value="10000"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><string name="material" value="Cu"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.001"/><float name="alpha_v" value="10000"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="dielectric"/>"#,
+        r#"<bsdf type="dielectric"><string name="int_ior" value="water"/><string name="ext_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="dielectric"><texture name="specular_transmittance" type="checkerboard"/></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="thindielectric"/>"#,
+        r#"<bsdf type="thindielectric"><string name="int_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="thindielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="thindielectric"><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha" value="0"/><string name="ext_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha" value="0.6"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
+    ],
+    &[
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0"/><string name="ext_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0.6"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
+    ],
 ];
 
 /// What lanes cannot hold.
 const OTHERS: &[&str] = &[
     r#"<bsdf type="null"/>"#,
+    r#"<bsdf type="roughplastic"><boolean name="sample_visible" value="false"/></bsdf>"#,
+    r#"<bsdf type="roughconductor"><boolean name="sample_visible" value="false"/></bsdf>"#,
+    r#"<bsdf type="roughdielectric"><boolean name="sample_visible" value="false"/></bsdf>"#,
     r#"<bsdf type="mask"><bsdf type="diffuse"/></bsdf>"#,
     r#"<bsdf type="bumpmap"><texture type="checkerboard"/><bsdf type="diffuse"/></bsdf>"#,
     r#"<bsdf type="twosided"><bsdf type="diffuse"/><bsdf type="plastic"/></bsdf>"#,
@@ -75,7 +139,7 @@ struct Answers {
 }
 
 #[inline(always)]
-fn answer<S: Simd>(simd: S, closures: &ClosureLanes, paths: &Paths) -> Answers {
+fn answer<S: Simd>(simd: S, closures: &ClosureLanes<'_>, paths: &Paths) -> Answers {
     let mut answers =
         Answers { eval: [(Spectrum::ZERO, 0.0); MAX_LANES], sample: [None; MAX_LANES] };
     for first in (0..MAX_LANES).step_by(Lanes::<S>::COUNT) {
@@ -125,7 +189,7 @@ struct Lane<'a> {
     surface: SurfaceInteraction,
 }
 
-fn fill<'a>(closures: &mut ClosureLanes, lanes: &[Lane<'a>]) {
+fn fill<'a>(closures: &mut ClosureLanes<'a>, lanes: &[Lane<'a>]) {
     for (lane, Lane { material, surface }) in lanes.iter().enumerate() {
         let (materials, id) = (material.materials(), material.root);
         if materials.is_uniform(id) {
