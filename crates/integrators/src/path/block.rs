@@ -175,7 +175,11 @@ impl<'a> Block<'a> {
         self.next.straight = 0;
         for first in (0..self.count).step_by(Lanes::<S>::COUNT) {
             let surface = self.surfaces.load(simd, first);
-            let live = LaneMask::from_bits(simd, ((1_u64 << (self.count - first)) - 1) as u32);
+            let mut live = LaneMask::from_bits(simd, ((1_u64 << (self.count - first)) - 1) as u32);
+            if stage.integrator.strict_normals {
+                let directions = self.triangles.directions(simd, first);
+                live = live & (surface.normal.dot(directions) * surface.wi.z).below(0.0);
+            }
             if stage.integrator.emitter_sampling && self.kind.has_smooth_lobe() {
                 self.light(simd, stage, first, (&surface, live));
             }

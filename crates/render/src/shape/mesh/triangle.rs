@@ -149,6 +149,13 @@ pub struct TriangleBlock {
 }
 
 impl TriangleBlock {
+    /// The directions of the rays that arrive, in the lanes from `first` on.
+    #[inline(always)]
+    #[must_use]
+    pub fn directions<S: Simd>(&self, simd: S, first: usize) -> Vector3<Lanes<S>> {
+        Vector3::load(simd, &self.directions, first)
+    }
+
     /// Puts in a lane where a ray of this direction has met a triangle of `mesh`.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, mesh: &Mesh, hit: &Hit, direction: Vec3) {
