@@ -233,6 +233,14 @@ impl<'a> Loader<'a> {
         element
     }
 
+    /// Makes room for the objects of a long text at once. What is not used costs nothing, but a vector
+    /// that grows leaves holes behind that nothing else fits into.
+    pub(crate) fn reserve(&mut self, elements: usize) {
+        // Few objects say less than an instance: a reference and a transform of two operations.
+        let room = self.options.limits.nodes.saturating_sub(self.nodes.len());
+        self.nodes.reserve((elements / 4).min(room));
+    }
+
     /// A node that has been made.
     pub(crate) fn node_mut(&mut self, id: NodeId) -> &mut Node {
         &mut self.nodes[id.index()]

@@ -93,6 +93,9 @@ impl Loader<'_> {
         };
         let pieces = pieces(&text, &outline);
         let outer = self.origin;
+        if pieces.len() > 1 {
+            self.reserve(outline.elements);
+        }
         let mut wrapped = String::new();
         // Twice where there are several: nothing is made of a file that is no XML.
         for is_trial in [true, false].into_iter().skip(usize::from(pieces.len() == 1)) {

@@ -31,6 +31,8 @@ pub(crate) struct Refused {
 pub(crate) struct Outline {
     /// The opening tag of the root.
     pub(crate) root: Range<usize>,
+    /// How many elements there are.
+    pub(crate) elements: usize,
     /// Places between two elements right inside the root, some [`PIECE`] bytes apart.
     pub(crate) breaks: Vec<usize>,
 }
@@ -39,7 +41,7 @@ pub(crate) struct Outline {
 /// long text can be taken apart.
 pub(crate) fn scan(text: &str, limits: &Limits) -> Result<Outline, Refused> {
     let outline = Outline::default();
-    let mut scanner = Scanner { text, limits, position: 0, depth: 0, elements: 0, outline };
+    let mut scanner = Scanner { text, limits, position: 0, depth: 0, outline };
     while scanner.next_tag() {
         scanner.tag()?;
     }
@@ -58,7 +60,6 @@ struct Scanner<'a> {
     limits: &'a Limits,
     position: usize,
     depth: usize,
-    elements: usize,
     outline: Outline,
 }
 
@@ -127,13 +128,13 @@ impl<'a> Scanner<'a> {
             let message = format!("an element with {values} attributes; at most {limit} are read");
             return Err(self.refuse(Fault::Limit, message, name_length));
         }
-        self.elements += 1;
-        if self.elements > self.limits.elements {
+        self.outline.elements += 1;
+        if self.outline.elements > self.limits.elements {
             let message = format!("more than {} elements in one file", self.limits.elements);
             return Err(self.refuse(Fault::Limit, message, name_length));
         }
         let after = (self.position + end + 1).min(self.text.len());
-        if self.elements == 1 {
+        if self.outline.elements == 1 {
             self.outline.root = self.position..after;
         }
         if bytes[..end].last() == Some(&b'/') {
@@ -152,7 +153,7 @@ impl<'a> Scanner<'a> {
 
     /// Remembers the end of an element right inside the root.
     fn note_break(&mut self, place: usize) {
-        let Outline { root, breaks } = &mut self.outline;
+        let Outline { root, breaks, .. } = &mut self.outline;
         if self.depth == 1 && place >= breaks.last().unwrap_or(&root.end) + PIECE {
             breaks.push(place);
         }

@@ -1,10 +1,14 @@
 //! `cargo xtask bench`: measurements beside a peer, in the same run on the same machine.
 
 mod embree;
+mod generated;
+mod keep;
 mod peer;
+mod process;
 mod rays;
 mod scale;
 mod scenes;
+mod threads;
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -25,6 +29,8 @@ enum Command {
     Rays(rays::Arguments),
     /// Rate and memory by the number of triangles and of instances
     Scale(scale::Arguments),
+    /// Two threads beside two renders of one thread each
+    Threads(threads::Arguments),
 }
 
 /// Renders beside a peer.
@@ -61,6 +67,7 @@ pub(crate) fn run(arguments: &[String]) -> bool {
         Command::Render(arguments) => render(&arguments),
         Command::Rays(arguments) => rays::run(&arguments),
         Command::Scale(arguments) => scale::run(&arguments),
+        Command::Threads(arguments) => threads::run(&arguments),
     };
     match outcome {
         Ok(()) => true,

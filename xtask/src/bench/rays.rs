@@ -1,11 +1,12 @@
 //! `cargo xtask bench rays`: rays per second on a scene's triangles, on one thread.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use clap::{Parser, ValueEnum};
 
 use super::embree;
+use super::keep::{self, Keeping};
 use crate::generate;
 use crate::workspace::{cargo, root};
 
@@ -31,9 +32,8 @@ pub(super) struct Arguments {
     /// Our hierarchy traces so many rays at a time, too, as the renderer does
     #[arg(long, value_name = "COUNT")]
     batch: Option<usize>,
-    /// For programs
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    keeping: Keeping,
 }
 
 /// Another library.
@@ -61,10 +61,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
     if let Some(count) = arguments.batch {
         command.args(["--batch", &count.to_string()]);
     }
-    if arguments.json {
-        command.arg("--json");
+    if !arguments.keeping.wants_json() {
+        return check(&mut command);
     }
-    check(&mut command)
+    let output = command.arg("--json").stderr(Stdio::inherit()).output();
+    let output = output.map_err(|error| error.to_string())?;
+    if !output.status.success() {
+        return Err(format!("failed: {}", output.status));
+    }
+    keep::text("rays", &String::from_utf8_lossy(&output.stdout), &arguments.keeping)
 }
 
 /// Makes the file of a scene's triangles, below `target`.

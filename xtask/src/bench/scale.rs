@@ -1,173 +1,174 @@
 //! `cargo xtask bench scale`: rate and memory by the number of triangles and of instances, of the
-//! tree alone and of whole renders.
+//! tree alone and of whole renders, which must keep within two limits.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Command;
 
 use clap::Parser;
+use serde_json::{Value, json};
 
+use super::generated::{self, Kind};
+use super::keep::{self, Keeping};
+use super::process::{self, Figures, Job};
 use crate::etendue;
 use crate::workspace::{cargo, root};
 
-/// Generated scenes of growing size.
+/// Generated scenes of growing size, on one thread and on two: the tree alone, and whole renders by
+/// the command line. Fails where ten million triangles take more than 1.5 GB at the peak, or a million
+/// instances more than 500 MB.
 #[derive(Debug, Parser)]
 pub(super) struct Arguments {
     /// No more triangles or instances than this
     #[arg(long, value_name = "COUNT", default_value_t = 10_000_000)]
     most: usize,
     /// The tree alone, without whole renders
-    #[arg(long)]
+    #[arg(long, conflicts_with = "renders_only")]
     tree_only: bool,
+    /// Whole renders alone
+    #[arg(long)]
+    renders_only: bool,
+    #[command(flatten)]
+    keeping: Keeping,
 }
 
-/// What is counted, and how many of them at most.
-const SERIES: [(&str, &[usize]); 2] = [
-    ("triangles", &[1_000, 10_000, 100_000, 1_000_000, 10_000_000]),
-    ("instances", &[1_000, 10_000, 100_000, 1_000_000]),
+/// What is counted, how many of them, and the megabytes that the largest number may take.
+const SERIES: [(Kind, &[usize], f64); 2] = [
+    (Kind::Triangles, &[1_000, 10_000, 100_000, 1_000_000, 10_000_000], 1500.0),
+    (Kind::Instances, &[1_000, 10_000, 100_000, 1_000_000], 500.0),
 ];
+
+/// A row is measured for each of these.
+const THREADS: [u32; 2] = [1, 2];
 
 /// Runs the benchmark.
 pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
-    trees(arguments.most)?;
-    if arguments.tree_only {
-        return Ok(());
-    }
-    if !etendue::build() {
-        return Err("etendue does not compile".to_owned());
-    }
-    println!("\n{:<24}{:>9}{:>9}", "whole render", "wall s", "peak MB");
-    let folder = etendue::folder("bench/scale")?;
-    let terrain = folder.join("terrain.xml");
-    let side = (arguments.most.min(10_000_000) / 2).isqrt();
-    write(&folder.join("terrain.ply"), |file| write_terrain(file, side))?;
-    write(&terrain, |file| write_scene(file, TERRAIN, 0))?;
-    measure(&terrain, &format!("{} triangles", 2 * side * side))?;
-    let grove = folder.join("grove.xml");
-    let count = arguments.most.min(1_000_000);
-    write(&folder.join("plate.ply"), |file| write_terrain(file, 71))?;
-    write(&grove, |file| write_scene(file, GROVE, count))?;
-    measure(&grove, &format!("{count} instances"))
+    let trees = if arguments.renders_only { Vec::new() } else { trees(arguments)? };
+    let mut broken = Vec::new();
+    let renders = if arguments.tree_only { Vec::new() } else { renders(arguments, &mut broken)? };
+    let figures = json!({ "trees": trees, "renders": renders });
+    keep::finish("scale", &figures, &arguments.keeping)?;
+    if broken.is_empty() { Ok(()) } else { Err(broken.join("; ")) }
 }
 
+/// The columns of a row of the tree alone, as the program prints them.
+const TREE_COLUMNS: [(&str, &str); 5] = [
+    ("build s", "build_seconds"),
+    ("Mrays/s", "mrays_per_second"),
+    ("tree MB", "tree_megabytes"),
+    ("peak MB", "peak_megabytes"),
+    ("hits", "hits"),
+];
+
 /// The tree alone: a process for each row, so that its peak is its own.
-fn trees(most: usize) -> Result<(), String> {
+fn trees(arguments: &Arguments) -> Result<Vec<Value>, String> {
     let build = ["build", "--quiet", "--release", "--package", "etendue-bvh", "--example", "scale"];
     super::rays::check(cargo().args(build))?;
     let program = root().join("target/release/examples/scale");
-    let columns = ["build s", "Mrays/s", "tree MB", "peak MB", "hits"];
-    print!("{:<12}{:>10}{:>9}", "", "count", "threads");
-    columns.iter().for_each(|column| print!("{column:>10}"));
-    println!();
-    for (kind, counts) in SERIES {
-        for count in counts.iter().filter(|&&count| count <= most) {
-            for threads in ["1", "2"] {
-                let mut command = Command::new(&program);
-                let row = etendue::output(command.args([kind, &count.to_string(), threads]))?;
-                print!("{kind:<12}{count:>10}{threads:>9}");
-                row.split_whitespace().for_each(|figure| print!("{figure:>10}"));
+    let table = arguments.keeping.shows_table();
+    if table {
+        head("tree alone", &TREE_COLUMNS.map(|(title, _)| title));
+    }
+    let mut rows = Vec::new();
+    for (kind, count, _) in cases(arguments.most) {
+        for threads in THREADS {
+            let mut command = Command::new(&program);
+            command.args([kind.name(), &count.to_string(), &threads.to_string()]);
+            let printed = etendue::output(&mut command)?;
+            let figures: Vec<f64> =
+                printed.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            let mut row = json!({ "kind": kind.name(), "count": count, "threads": threads });
+            for ((_, name), figure) in TREE_COLUMNS.iter().zip(&figures) {
+                row[*name] = json!(figure);
+            }
+            rows.push(row);
+            if table {
+                print!("{:<14}{count:>10}{threads:>9}", kind.name());
+                printed.split_whitespace().for_each(|figure| print!("{figure:>12}"));
                 println!();
             }
         }
     }
-    Ok(())
+    Ok(rows)
 }
 
-/// The head of both scenes.
-const HEAD: &str = r#"<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="4"/></integrator>
-<sensor type="perspective"><float name="fov" value="50"/><transform name="to_world">
-<lookat origin="0.5, 0.6, -0.6" target="0.5, 0, 0.5" up="0, 1, 0"/></transform>
-<film type="hdrfilm"><integer name="width" value="640"/><integer name="height" value="360"/></film></sensor>
-<emitter type="constant"/>
-"#;
-/// Ten million triangles.
-const TERRAIN: &str = r#"<shape type="ply"><string name="filename" value="terrain.ply"/><bsdf type="diffuse"/></shape>"#;
-/// Ten thousand triangles, to be placed a million times.
-const GROVE: &str = r#"<shape type="shapegroup" id="plate"><shape type="ply"><string name="filename" value="plate.ply"/><bsdf type="diffuse"/></shape></shape>"#;
-
-fn write(
-    path: &Path,
-    content: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
-) -> Result<(), String> {
-    let message = |error: std::io::Error| format!("{}: {error}", path.display());
-    let mut file = BufWriter::new(File::create(path).map_err(message)?);
-    content(&mut file).and_then(|()| file.flush()).map_err(message)
-}
-
-/// A scene with so many instances of the group `plate`, on a grid over the unit square.
-fn write_scene(file: &mut impl Write, shapes: &str, instances: usize) -> std::io::Result<()> {
-    writeln!(file, "{HEAD}{shapes}")?;
-    let side = instances.isqrt().max(1);
-    for index in 0..instances {
-        let [x, z] = [index % side, index / side].map(|place| place as f64 / side as f64);
-        let scale = 0.8 / side as f64;
-        writeln!(
-            file,
-            r#"<shape type="instance"><ref id="plate"/><transform name="to_world"><scale value="{scale}"/><translate x="{x}" z="{z}"/></transform></shape>"#
-        )?;
+/// Whole renders by the command line; `broken` gets a sentence for every limit that one exceeds.
+fn renders(arguments: &Arguments, broken: &mut Vec<String>) -> Result<Vec<Value>, String> {
+    if !etendue::build() {
+        return Err("etendue does not compile".to_owned());
     }
-    writeln!(file, "</scene>")
-}
-
-/// Hills of `side`² quads, as a binary PLY file.
-fn write_terrain(file: &mut impl Write, side: usize) -> std::io::Result<()> {
-    let (vertices, faces) = ((side + 1) * (side + 1), 2 * side * side);
-    write!(
-        file,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\n\
-         property float y\nproperty float z\nelement face {faces}\n\
-         property list uchar int vertex_indices\nend_header\n"
-    )?;
-    for place in 0..vertices {
-        let [x, z] = [place % (side + 1), place / (side + 1)].map(|k| k as f32 / side as f32);
-        let y = 0.05 * (x * 9.0).sin() * (z * 7.0).cos() + 0.01 * (x * 61.0 + z * 53.0).sin();
-        for number in [x, y, z] {
-            file.write_all(&number.to_le_bytes())?;
-        }
+    let table = arguments.keeping.shows_table();
+    if table {
+        println!();
+        head("whole render", &["wall s", "ksamples/s", "peak MB", "limit MB"]);
     }
-    for quad in 0..side * side {
-        let a = (quad / side * (side + 1) + quad % side) as u32;
-        let below = a + side as u32 + 1;
-        for triangle in [[a, below, a + 1], [a + 1, below, below + 1]] {
-            file.write_all(&[3])?;
-            for index in triangle {
-                file.write_all(&index.to_le_bytes())?;
+    let folder = etendue::folder("bench/scale")?;
+    let mut rows = Vec::new();
+    for (kind, count, limit) in cases(arguments.most) {
+        let scene = generated::write(&folder, kind, count).map_err(|error| error.to_string())?;
+        for threads in THREADS {
+            let job = Job { scene: &scene, size: [320, 180], samples: 16, threads };
+            let figures = process::start(&job, "scale")?
+                .finish()
+                .map_err(|problem| format!("{count} {}: {problem}", kind.name()))?;
+            let Figures { wall_seconds, samples_per_second, peak_megabytes } = figures;
+            rows.push(json!({
+                "kind": kind.name(), "count": count, "threads": threads,
+                "wall_seconds": wall_seconds, "samples_per_second": samples_per_second,
+                "peak_megabytes": peak_megabytes, "limit_megabytes": limit,
+            }));
+            if table {
+                let rate = samples_per_second * 1e-3;
+                let limit = limit.map_or(String::new(), |limit| format!("{limit:.0}"));
+                println!(
+                    "{:<14}{count:>10}{threads:>9}{wall_seconds:>12.2}{rate:>12.0}{peak_megabytes:>12.1}{limit:>12}",
+                    kind.name()
+                );
             }
+            broken.extend(exceeded(peak_megabytes, limit, kind, count));
         }
     }
-    Ok(())
+    Ok(rows)
 }
 
-/// Renders a scene with few samples; prints the time and the most memory that it took.
-fn measure(scene: &Path, name: &str) -> Result<(), String> {
-    let output = scene.with_extension("pfm");
-    let mut command = etendue::command();
-    command.arg("render").arg(scene).args(["--spp", "4", "--quiet", "--threads", "2"]);
-    command.arg("--output").arg(&output).stdin(Stdio::null());
-    let started = Instant::now();
-    let mut child = command.spawn().map_err(|error| error.to_string())?;
-    let status = format!("/proc/{}/status", child.id());
-    let mut peak = f64::NAN;
-    let outcome = loop {
-        // The system forgets the peak with the process: the last look counts. (Polling, because
-        // the standard library does not tell what a child used.)
-        peak = peak_megabytes(&status).unwrap_or(peak);
-        if let Some(outcome) = child.try_wait().map_err(|error| error.to_string())? {
-            break outcome;
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    };
-    let seconds = started.elapsed().as_secs_f64();
-    println!("{name:<24}{seconds:>9.2}{peak:>9.0}");
-    if outcome.success() { Ok(()) } else { Err(format!("{name} do not render")) }
+/// Every number of things that is wanted, with its limit in megabytes if it has one.
+fn cases(most: usize) -> impl Iterator<Item = (Kind, usize, Option<f64>)> {
+    SERIES.into_iter().flat_map(move |(kind, counts, limit)| {
+        let wanted = counts.iter().filter(move |&&count| count <= most);
+        wanted.map(move |&count| (kind, count, (counts.last() == Some(&count)).then_some(limit)))
+    })
 }
 
-/// The most memory that a process ever had, where Linux says it.
-fn peak_megabytes(status: &str) -> Option<f64> {
-    let status = std::fs::read_to_string(status).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kilobytes * 1.024e-3)
+/// What is to be said of a peak; one that is not known keeps no limit.
+fn exceeded(peak: f64, limit: Option<f64>, kind: Kind, count: usize) -> Option<String> {
+    let limit = limit?;
+    let is_kept = peak <= limit;
+    let kind = kind.name();
+    (!is_kept).then(|| format!("{count} {kind} take {peak:.0} MB, not {limit:.0} at most"))
+}
+
+fn head(name: &str, columns: &[&str]) {
+    print!("{name:<14}{:>10}{:>9}", "count", "threads");
+    columns.iter().for_each(|column| print!("{column:>12}"));
+    println!();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_numbers_have_limits() {
+        let limited: Vec<_> =
+            cases(usize::MAX).filter_map(|case| Some((case.1, case.2?))).collect();
+        assert_eq!(limited, [(10_000_000, 1500.0), (1_000_000, 500.0)]);
+        assert_eq!(cases(10_000).count(), 4);
+    }
+
+    #[test]
+    fn a_limit_is_kept_up_to_itself_and_not_by_what_is_unknown() {
+        let says = |peak, limit| exceeded(peak, limit, Kind::Instances, 7);
+        assert_eq!(says(500.0, Some(500.0)), None);
+        assert_eq!(says(1e9, None), None);
+        assert!(says(500.1, Some(500.0)).is_some_and(|text| text.contains("7 instances")));
+        assert!(says(f64::NAN, Some(500.0)).is_some());
+    }
 }

@@ -71,7 +71,9 @@ pub(crate) fn build(
 
 /// The instances in the order of the geometries.
 fn place_instances(geometries: &[GeometryView<'_>]) -> Result<Vec<Instance>, BuildError> {
-    let mut instances = Vec::new();
+    let is_instance = |view: &&GeometryView<'_>| matches!(view, GeometryView::Instance { .. });
+    let count = geometries.iter().filter(is_instance).count();
+    let mut instances = Vec::with_capacity(count);
     for (number, view) in geometries.iter().enumerate() {
         let GeometryView::Instance { group, to_world } = view else { continue };
         let geometry = u32::try_from(number).map_err(|_| BuildError::TooManyPrimitives)?;

@@ -89,7 +89,8 @@ impl<'a> Builder<'a> {
         // Groups are built first: an instance's box needs its group's.
         let mut groups: HashMap<NodeId, Option<GroupId>> = HashMap::new();
         let mut grouped = Vec::new();
-        let mut placed = Vec::new();
+        let mut placed = Vec::with_capacity(nodes.len());
+        parts.instances.reserve_exact(nodes.len());
         for &node in nodes {
             let parameters = self.parameters(node);
             let to_world = read_transform(&parameters, "to_world");

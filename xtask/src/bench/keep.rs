@@ -1,0 +1,73 @@
+//! Where figures go: a table for people, JSON for programs, a folder of `benches/runs` to be kept.
+
+use clap::Args;
+use serde_json::Value;
+
+use crate::workspace::root;
+
+/// What becomes of the figures.
+#[derive(Debug, Args)]
+pub(super) struct Keeping {
+    /// Prints JSON, for programs, in place of a table
+    #[arg(long)]
+    json: bool,
+    /// Keeps the figures as JSON below benches/runs, in a folder named by day and machine, such as
+    /// 2026-11-22-amd-epyc-zen5
+    #[arg(long, value_name = "FOLDER", value_parser = folder_name)]
+    keep: Option<String>,
+}
+
+impl Keeping {
+    /// Whether figures are wanted as JSON at all.
+    pub(super) fn wants_json(&self) -> bool {
+        self.json || self.keep.is_some()
+    }
+
+    /// Whether people read along.
+    pub(super) fn shows_table(&self) -> bool {
+        !self.json
+    }
+}
+
+/// A name of a folder, not a path that leads elsewhere.
+fn folder_name(name: &str) -> Result<String, String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !name.is_empty() && name.chars().all(is_plain) {
+        return Ok(name.to_owned());
+    }
+    Err("a name of letters, digits and hyphens is expected".to_owned())
+}
+
+/// Prints and keeps the figures of the benchmark `name` as they are wanted.
+pub(super) fn finish(name: &str, figures: &Value, keeping: &Keeping) -> Result<(), String> {
+    let json = serde_json::to_string_pretty(figures).map_err(|error| error.to_string())? + "\n";
+    text(name, &json, keeping)
+}
+
+/// The same for figures that are JSON already.
+pub(super) fn text(name: &str, text: &str, keeping: &Keeping) -> Result<(), String> {
+    if keeping.json {
+        print!("{text}");
+    }
+    let Some(folder) = &keeping.keep else { return Ok(()) };
+    let folder = root().join("benches/runs").join(folder);
+    let path = folder.join(format!("{name}.json"));
+    let message = |error: std::io::Error| format!("{}: {error}", path.display());
+    std::fs::create_dir_all(&folder).map_err(message)?;
+    std::fs::write(&path, text).map_err(message)?;
+    eprintln!("kept as {}; the page beside it reads it", path.display());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_a_name() {
+        assert!(folder_name("2026-11-22-amd-epyc-zen5").is_ok());
+        for path in ["", "..", "a/b", "/tmp"] {
+            assert!(folder_name(path).is_err(), "{path}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! `etendue render` as a process of its own: how long it takes, how fast it is, how much memory it
+//! needs.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::etendue;
+
+/// What is rendered, and how.
+pub(super) struct Job<'a> {
+    /// The scene file.
+    pub(super) scene: &'a Path,
+    /// Width and height in pixels.
+    pub(super) size: [u32; 2],
+    /// Samples per pixel.
+    pub(super) samples: u32,
+    /// Threads.
+    pub(super) threads: u32,
+}
+
+/// What a render took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Figures {
+    /// From the start of the process to its end, in seconds.
+    pub(super) wall_seconds: f64,
+    /// While it rendered, loading left out.
+    pub(super) samples_per_second: f64,
+    /// The most memory that it ever had, as the system counts it: the program itself, which is mapped,
+    /// is part of it. Not a number where the system does not say it.
+    pub(super) peak_megabytes: f64,
+}
+
+/// A render that goes on.
+pub(super) struct Running {
+    child: Child,
+    started: Instant,
+    picture: PathBuf,
+}
+
+/// Starts a render; its picture, of no interest, is called `name` meanwhile.
+pub(super) fn start(job: &Job<'_>, name: &str) -> Result<Running, String> {
+    let picture = etendue::folder("bench")?.join(format!("{name}.pfm"));
+    let [width, height] = job.size;
+    let mut command = etendue::command();
+    command.arg("render").arg(job.scene).args(["--quiet", "--json-progress"]);
+    command.args(["--size", &format!("{width}x{height}"), "--spp", &job.samples.to_string()]);
+    command.args(["--threads", &job.threads.to_string(), "--output"]).arg(&picture);
+    command.stdin(Stdio::null()).stdout(Stdio::piped());
+    let started = Instant::now();
+    let child = command.spawn().map_err(|error| format!("cannot run etendue: {error}"))?;
+    Ok(Running { child, started, picture })
+}
+
+impl Running {
+    /// Waits for its end.
+    pub(super) fn finish(mut self) -> Result<Figures, String> {
+        let status = format!("/proc/{}/status", self.child.id());
+        let mut peak_megabytes = f64::NAN;
+        let outcome = loop {
+            // The system forgets the peak with the process: the last look counts. (Polling, because
+            // the standard library does not tell what a child used.)
+            peak_megabytes = self::peak_megabytes(&status).unwrap_or(peak_megabytes);
+            if let Some(outcome) = self.child.try_wait().map_err(|error| error.to_string())? {
+                break outcome;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        let wall_seconds = self.started.elapsed().as_secs_f64();
+        let _ = std::fs::remove_file(&self.picture);
+        let mut printed = String::new();
+        if let Some(output) = &mut self.child.stdout {
+            output.read_to_string(&mut printed).map_err(|error| error.to_string())?;
+        }
+        if !outcome.success() {
+            return Err(format!("the scene does not render: {outcome}"));
+        }
+        let samples_per_second =
+            rate(&printed).ok_or_else(|| format!("the render tells no rate:\n{printed}"))?;
+        Ok(Figures { wall_seconds, samples_per_second, peak_megabytes })
+    }
+}
+
+/// The rate in the last line of news that has one.
+fn rate(news: &str) -> Option<f64> {
+    let rate = |line| serde_json::from_str::<Value>(line).ok()?["samples_per_second"].as_f64();
+    news.lines().rev().find_map(rate)
+}
+
+/// The most memory that a process ever had, where Linux says it.
+fn peak_megabytes(status: &str) -> Option<f64> {
+    let status = std::fs::read_to_string(status).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1.024e-3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_rate_counts() {
+        let news = "{\"event\":\"start\"}\n{\"samples_per_second\":1.5}\n\
+                    {\"samples_per_second\":2.5}\n{\"event\":\"end\"}\n";
+        assert_eq!(rate(news), Some(2.5));
+        assert_eq!(rate("{\"event\":\"start\"}\nwords\n"), None);
+    }
+}
