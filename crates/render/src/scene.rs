@@ -1,7 +1,7 @@
 //! The frozen scene: immutable, flat, shared by all threads.
 
 use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
-use crate::emitter::{Emitter, Panels};
+use crate::emitter::{Emitter, Lamps};
 use crate::film::FilmSpec;
 use crate::ids::{EmitterId, InstanceId, MaterialId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
@@ -76,8 +76,8 @@ pub struct Scene {
     emitters: Vec<Emitter>,
     /// How emitters are chosen where they are not all alike.
     emitter_table: Option<AliasTable>,
-    /// The emitters that several paths at once can sample.
-    panels: Panels,
+    /// What several paths at once can sample of the emitters.
+    lamps: Lamps,
     environments: Vec<EmitterId>,
     media: Vec<Medium>,
     /// What media end at each shape; empty where no shape has any.
@@ -219,7 +219,7 @@ impl Scene {
         Some(Self {
             level: level(bvh.tier()),
             bvh,
-            panels: Panels::new(&parts.emitters, &parts.shapes),
+            lamps: Lamps::new(&parts.emitters, &parts.shapes),
             shapes: parts.shapes,
             top_level,
             instances: parts.instances,
@@ -367,9 +367,9 @@ impl Scene {
         self.emitter_table.as_ref()
     }
 
-    /// The emitters that several paths at once can sample.
-    pub(crate) fn panels(&self) -> &Panels {
-        &self.panels
+    /// What several paths at once can sample of the emitters.
+    pub(crate) fn lamps(&self) -> &Lamps {
+        &self.lamps
     }
 
     /// The emitter of the shape that was hit.

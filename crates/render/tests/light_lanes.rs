@@ -42,13 +42,17 @@ const OTHERS: &str = r#"
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     let many = PANEL.repeat(40);
+    let surroundings =
+        r#"<emitter type="constant"><rgb name="radiance" value="0.1, 0.5, 0.2"/></emitter>"#;
     let weighted =
         r#"<emitter type="constant"><float name="sampling_weight" value="0.2"/></emitter>"#;
     vec![
         ("none", scene("")),
         ("a panel", scene(PANEL)),
         ("a panel turned around", scene(SLANTED)),
-        ("one of another kind", scene(r#"<emitter type="constant"/>"#)),
+        ("surroundings", scene(surroundings)),
+        ("a panel and surroundings", scene(&format!("{PANEL}{surroundings}"))),
+        ("one of another kind", scene(r#"<emitter type="point"/>"#)),
         ("panels alone", scene(&many)),
         ("panels and others", scene(&format!("{PANEL}{OTHERS}"))),
         ("others alone", scene(OTHERS)),

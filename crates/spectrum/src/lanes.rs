@@ -86,8 +86,8 @@ impl<R: Real> SpectrumLanes<R> {
     #[inline(always)]
     #[must_use]
     pub fn is_black(self) -> R::Mask {
-        let [first, rest @ ..] = self.0.map(|component| component.equals(component.zero()));
-        rest.into_iter().fold(first, |black, component| black & component)
+        let [a, b, c] = self.0;
+        a.equals(a.zero()) & b.equals(b.zero()) & c.equals(c.zero())
     }
 
     /// `yes` where the mask is true, `no` elsewhere.
@@ -103,14 +103,20 @@ impl<S: Simd> SpectrumLanes<Lanes<S>> {
     #[inline(always)]
     #[must_use]
     pub fn splat(simd: S, spectrum: Spectrum) -> Self {
-        Self(std::array::from_fn(|component| Lanes::splat(simd, spectrum[component])))
+        let [a, b, c] = spectrum.components();
+        Self([Lanes::splat(simd, a), Lanes::splat(simd, b), Lanes::splat(simd, c)])
     }
 
     /// Spectra from memory; see [`Lanes::load`].
     #[inline(always)]
     #[must_use]
     pub fn load(simd: S, arrays: &[LaneArray; Spectrum::LANES], first: usize) -> Self {
-        Self(std::array::from_fn(|component| Lanes::load(simd, &arrays[component], first)))
+        let [a, b, c] = arrays;
+        Self([
+            Lanes::load(simd, a, first),
+            Lanes::load(simd, b, first),
+            Lanes::load(simd, c, first),
+        ])
     }
 
     /// Spectra to memory; see [`Lanes::store`].

@@ -111,7 +111,13 @@ impl PanelBlock {
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, panel: &Panel<f32>) {
         self.shape.set(lane, &panel.shape);
-        panel.radiance.put(&mut self.radiance, lane);
+        self.set_radiance(lane, panel.radiance.into());
+    }
+
+    /// Puts radiance in a lane that has no panel.
+    #[inline(always)]
+    pub(super) fn set_radiance(&mut self, lane: usize, radiance: Spectrum) {
+        SpectrumLanes::from(radiance).put(&mut self.radiance, lane);
     }
 
     /// The panels of the first lanes.

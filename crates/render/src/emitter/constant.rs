@@ -1,11 +1,13 @@
 //! `constant`: the same light from everywhere afar.
 
+use super::lanes::{LightLanes, TargetLanes};
 use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
+use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_sampling::warp;
-use etendue_spectrum::{Spectrum, SpectrumUse};
+use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse};
 use glam::Vec2;
 use std::f32::consts::PI;
 
@@ -30,6 +32,28 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<C
     })
 }
 
+/// Light from everywhere, as [`Constant::sample_direction`] over any [`Real`].
+#[inline(always)]
+pub(super) fn light_from_everywhere<R: Real>(
+    radiance: SpectrumLanes<R>,
+    random: Vector2<R>,
+) -> LightLanes<R> {
+    let zero = random.x.zero();
+    let nowhere = Vector3::new(zero, zero, zero);
+    let always = zero.equals(zero);
+    LightLanes {
+        direction: warp::uniform_sphere::sample_lanes(random),
+        radiance,
+        pdf: zero.like(DENSITY),
+        delta: !always,
+        exists: always,
+        target: TargetLanes { point: nowhere, error: nowhere, normal: nowhere, afar: always },
+    }
+}
+
+/// The density of every direction.
+const DENSITY: f32 = 1.0 / (4.0 * PI);
+
 impl Constant {
     pub(super) fn radiance(&self) -> Spectrum {
         self.radiance
@@ -46,6 +70,6 @@ impl Constant {
     }
 
     pub(super) fn pdf_direction(&self) -> f32 {
-        1.0 / (4.0 * PI)
+        DENSITY
     }
 }

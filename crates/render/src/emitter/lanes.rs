@@ -1,9 +1,10 @@
 //! Light chosen for several paths at once.
 //!
-//! Every lane has the bits of [`Scene::sample_light`]. Panels, flat lights of even radiance, are
-//! sampled in lanes; the other emitters lane by lane.
+//! Every lane has the bits of [`Scene::sample_light`]. Panels (flat lights of even radiance) and even
+//! surroundings are sampled in lanes; the other emitters lane by lane.
 
 use super::area::{Panel, PanelBlock};
+use super::constant::light_from_everywhere;
 use super::{DirectionSample, Emitter, SHADOW_RAY_LENGTH, Target};
 use crate::interaction::SurfaceLanes;
 use crate::scene::{Scene, choose_evenly};
@@ -47,6 +48,25 @@ pub struct TargetLanes<R: Real> {
 }
 
 impl<R: Real> LightLanes<R> {
+    /// `yes` where the mask is true, `no` elsewhere.
+    #[inline(always)]
+    fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        let (to, other) = (yes.target, no.target);
+        Self {
+            direction: Vector3::select(mask, yes.direction, no.direction),
+            radiance: SpectrumLanes::select(mask, yes.radiance, no.radiance),
+            pdf: R::select(mask, yes.pdf, no.pdf),
+            delta: either(mask, yes.delta, no.delta),
+            exists: either(mask, yes.exists, no.exists),
+            target: TargetLanes {
+                point: Vector3::select(mask, to.point, other.point),
+                error: Vector3::select(mask, to.error, other.error),
+                normal: Vector3::select(mask, to.normal, other.normal),
+                afar: either(mask, to.afar, other.afar),
+            },
+        }
+    }
+
     /// The rays that must be free for the light to arrive at the surfaces.
     #[inline(always)]
     #[must_use]
@@ -67,23 +87,60 @@ impl<R: Real> LightLanes<R> {
     }
 }
 
+/// `yes` where the mask is true, `no` elsewhere.
+#[inline(always)]
+fn either<M: Mask>(mask: M, yes: M, no: M) -> M {
+    mask & yes | !mask & no
+}
+
 /// The shadow rays between two points that lie clear of their surfaces.
 #[inline(always)]
 pub(super) fn shadow_segment<R: Real>(origin: Vector3<R>, target: Vector3<R>) -> RayLanes<R> {
     RayLanes { origin, direction: target - origin, t_max: origin.x.like(SHADOW_RAY_LENGTH) }
 }
 
-/// The panels among the emitters.
+/// What several paths at once can sample of an emitter.
 #[derive(Debug)]
-pub(crate) struct Panels(Vec<Option<Panel<f32>>>);
+enum Lamp {
+    /// A flat light of even radiance.
+    Panel(Panel<f32>),
+    /// The same radiance from everywhere afar.
+    Surroundings(Spectrum),
+    /// Nothing: it is sampled for one path after another.
+    Other,
+}
 
-impl Panels {
+impl Lamp {
+    /// As [`Emitter::sample_direction`], if all lanes sample this emitter and can do so together.
+    #[inline(always)]
+    fn sample_direction<S: Simd>(
+        &self,
+        simd: S,
+        reference: Vector3<Lanes<S>>,
+        random: Vector2<Lanes<S>>,
+    ) -> Option<LightLanes<Lanes<S>>> {
+        match self {
+            Self::Panel(panel) => Some(panel.splat(simd).sample_direction(reference, random)),
+            Self::Surroundings(radiance) => {
+                Some(light_from_everywhere(SpectrumLanes::splat(simd, *radiance), random))
+            }
+            Self::Other => None,
+        }
+    }
+}
+
+/// What several paths at once can sample of each of a scene's emitters.
+#[derive(Debug)]
+pub(crate) struct Lamps(Vec<Lamp>);
+
+impl Lamps {
     pub(crate) fn new(emitters: &[Emitter], shapes: &[Shape]) -> Self {
-        let panel = |emitter: &Emitter| match emitter {
-            Emitter::Area(area) => area.panel(shapes),
-            _ => None,
+        let lamp = |emitter: &Emitter| match emitter {
+            Emitter::Area(area) => area.panel(shapes).map_or(Lamp::Other, Lamp::Panel),
+            Emitter::Constant(constant) => Lamp::Surroundings(constant.radiance()),
+            _ => Lamp::Other,
         };
-        Self(emitters.iter().map(panel).collect())
+        Self(emitters.iter().map(lamp).collect())
     }
 }
 
@@ -120,19 +177,19 @@ impl Scene {
         random: Vector2<Lanes<S>>,
         wanted: LaneMask<S>,
     ) -> LightLanes<Lanes<S>> {
-        if let [Some(panel)] = self.panels().0.as_slice() {
+        if let [lamp] = self.lamps().0.as_slice() {
             let (_, rest) = choose_evenly(random.x, 1);
-            let mut light =
-                panel.splat(simd).sample_direction(reference, Vector2::new(rest, random.y));
-            light.exists = light.exists & wanted;
-            return light;
+            let rest = Vector2::new(rest, random.y);
+            if let Some(light) = lamp.sample_direction(simd, reference, rest) {
+                return LightLanes { exists: light.exists & wanted, ..light };
+            }
         }
         if self.emitters().is_empty() || !wanted.any() {
             return LightBlock::default().load(simd);
         }
         let choices = self.choose_emitters(simd, random.x, wanted);
         let random = Vector2::new(choices.rest, random.y);
-        let mut light = self.sample_panels(simd, (reference, random), wanted, &choices.emitters);
+        let mut light = self.sample_lamps(simd, (reference, random), wanted, &choices.emitters);
         light.pdf = light.pdf * choices.probability;
         light
     }
@@ -175,9 +232,9 @@ impl Scene {
         Choices { emitters, probability, rest }
     }
 
-    /// Light of the emitters chosen: of panels in lanes, and one by one of the others.
+    /// Light of the emitters chosen: in lanes where it can be, and one by one of the others.
     #[inline(always)]
-    fn sample_panels<S: Simd>(
+    fn sample_lamps<S: Simd>(
         &self,
         simd: S,
         (reference, random): (Vector3<Lanes<S>>, Vector2<Lanes<S>>),
@@ -185,16 +242,28 @@ impl Scene {
         emitters: &[u32; MAX_LANES],
     ) -> LightLanes<Lanes<S>> {
         let mut block = PanelBlock::default();
-        let mut flat = 0;
+        let (mut flat, mut surrounded) = (0, 0);
         for lane in lanes_of(wanted.bits()) {
-            if let Some(panel) = &self.panels().0[emitters[lane] as usize] {
-                block.set(lane, panel);
-                flat |= 1 << lane;
+            match &self.lamps().0[emitters[lane] as usize] {
+                Lamp::Panel(panel) => {
+                    block.set(lane, panel);
+                    flat |= 1 << lane;
+                }
+                Lamp::Surroundings(radiance) => {
+                    block.set_radiance(lane, *radiance);
+                    surrounded |= 1 << lane;
+                }
+                Lamp::Other => {}
             }
         }
         let mut light = block.load(simd).sample_direction(reference, random);
-        let others = wanted.bits() & !flat;
         light.exists = light.exists & LaneMask::from_bits(simd, flat);
+        if surrounded != 0 {
+            let everywhere = light_from_everywhere(light.radiance, random);
+            let surrounded = LaneMask::from_bits(simd, surrounded);
+            light = LightLanes::select(surrounded, everywhere, light);
+        }
+        let others = wanted.bits() & !(flat | surrounded);
         if others == 0 {
             return light;
         }

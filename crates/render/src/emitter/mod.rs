@@ -19,7 +19,7 @@ pub mod projector;
 pub mod spot;
 pub mod sunsky;
 
-pub(crate) use lanes::Panels;
+pub(crate) use lanes::Lamps;
 pub use lanes::{LightLanes, TargetLanes};
 
 use crate::interaction::SurfaceInteraction;

@@ -4,7 +4,7 @@
 //! left in single precision (the sun's half angle of 0.27° has 1 − cosθ = 1.1·10⁻⁵).
 
 use super::concentric_disk;
-use etendue_math::safe_sqrt;
+use etendue_math::lanes::{Real, Vector2, Vector3};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -22,10 +22,17 @@ pub fn one_minus_cosine(angle: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn sample(uniform: Vec2, one_minus_cosine: f32) -> Vec3 {
-    let disk = concentric_disk::sample(uniform);
-    let height = disk.length_squared().min(1.0) * one_minus_cosine;
-    let scale = safe_sqrt(one_minus_cosine * (2.0 - height));
-    (disk * scale).extend(1.0 - height)
+    sample_lanes(uniform.into(), one_minus_cosine).into()
+}
+
+/// [`sample`] over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn sample_lanes<R: Real>(uniform: Vector2<R>, one_minus_cosine: R) -> Vector3<R> {
+    let disk = concentric_disk::sample_lanes(uniform);
+    let height = disk.length_squared().min(one_minus_cosine.like(1.0)) * one_minus_cosine;
+    let scale = (one_minus_cosine * (-height + 2.0)).safe_sqrt();
+    (disk * scale).extend(-height + 1.0)
 }
 
 /// The density per solid angle: the cone's solid angle is 2π(1 − cosθ).

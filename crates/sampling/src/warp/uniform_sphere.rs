@@ -1,14 +1,25 @@
 //! Directions uniform over the whole sphere.
 
 use super::uniform_cone;
+use etendue_math::lanes::{Real, Vector2, Vector3};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
+
+/// 1 − cos of the half angle of the cone that is all directions.
+const WHOLE: f32 = 2.0;
 
 /// A uniform direction. The rim of the square maps to −z.
 #[inline]
 #[must_use]
 pub fn sample(uniform: Vec2) -> Vec3 {
-    uniform_cone::sample(uniform, 2.0)
+    uniform_cone::sample(uniform, WHOLE)
+}
+
+/// [`sample`] over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn sample_lanes<R: Real>(uniform: Vector2<R>) -> Vector3<R> {
+    uniform_cone::sample_lanes(uniform, uniform.x.like(WHOLE))
 }
 
 /// The density per solid angle, 1/4π.
@@ -22,7 +33,7 @@ pub fn pdf(_direction: Vec3) -> f32 {
 #[inline]
 #[must_use]
 pub fn invert(direction: Vec3) -> Vec2 {
-    uniform_cone::invert(direction, 2.0)
+    uniform_cone::invert(direction, WHOLE)
 }
 
 #[cfg(test)]
