@@ -161,7 +161,12 @@ impl Node {
     }
 }
 
-/// A leaf of one to eight triangles; unused lanes repeat the first triangle.
+/// A leaf of one to eight triangles, each with a name of its own.
+///
+/// Unused lanes have the name of the first, and its first edge as a triangle without area: of the
+/// edge functions one is zero then, and the others are each other's negative to the last bit, so
+/// that no ray passes inside. Where they repeated the whole triangle, rays that hit it had to choose
+/// between equal hits.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
@@ -178,6 +183,20 @@ impl TriangleBlock {
     /// A block of zeros.
     pub(crate) const EMPTY: Self =
         Self { vertices: [[Lanes([0.0; WIDTH]); 3]; 3], names: [u32::MAX; WIDTH] };
+
+    pub(crate) fn set(&mut self, lane: usize, name: u32, corners: [Vec3; 3]) {
+        for (vertex, corner) in self.vertices.iter_mut().zip(corners) {
+            for axis in 0..3 {
+                vertex[axis].0[lane] = corner[axis];
+            }
+        }
+        self.names[lane] = name;
+    }
+
+    /// Whether a triangle is in the lane.
+    pub(crate) fn is_used(&self, lane: usize) -> bool {
+        lane == 0 || self.names[lane] != self.names[0]
+    }
 
     pub(crate) fn vertex(&self, vertex: usize, lane: usize) -> Vec3 {
         let [x, y, z] = &self.vertices[vertex];

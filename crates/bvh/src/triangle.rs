@@ -42,7 +42,7 @@ pub(crate) struct Candidates<S: Simd> {
     pub(crate) mask: u32,
     /// The lanes that single precision cannot decide.
     pub(crate) doubtful: u32,
-    /// The distance of each lane.
+    /// The distance of each lane that is hit for certain, and infinity in the others.
     pub(crate) t: S::Vector,
     /// The edge function opposite to vertex 1.
     pub(crate) v: S::Vector,
@@ -75,22 +75,27 @@ pub(crate) fn intersect_block<S: Simd>(
     let zero = S::splat(0.0);
     let least = S::least(u, S::least(v, w));
     let greatest = S::greatest(u, S::greatest(v, w));
-    let inside = !S::both_less(least, zero, zero, greatest) & 0xff;
+    let outside = S::and(S::less(least, zero), S::less(zero, greatest));
+    let inside = !S::bits(outside) & 0xff;
     if inside == 0 {
         return None;
     }
     let determinant = S::add(u, S::add(v, w));
     let absolute = S::absolute(determinant);
-    let sound = S::both_less(S::splat(LEAST_SOUND), absolute, absolute, S::splat(GREATEST_SOUND));
+    let sound = S::and(
+        S::less(S::splat(LEAST_SOUND), absolute),
+        S::less(absolute, S::splat(GREATEST_SOUND)),
+    );
     let inverse = S::divide(S::splat(1.0), determinant);
     let along =
         |edge: S::Vector, vertex: &Sheared<S>| S::multiply(S::multiply(edge, inverse), vertex[2]);
     let t = S::add(along(u, &a), S::add(along(v, &b), along(w, &c)));
-    let within = S::less(zero, t) & S::less_equal(t, S::splat(t_max));
+    let within = S::and(S::less(zero, t), S::less_equal(t, S::splat(t_max)));
+    let hit = S::and(S::and_not(sound, outside), within);
     Some(Candidates {
-        mask: inside & sound & within,
-        doubtful: inside & !sound,
-        t,
+        mask: S::bits(hit),
+        doubtful: inside & !S::bits(sound),
+        t: S::select(hit, t, S::splat(f32::INFINITY)),
         v,
         w,
         determinant,

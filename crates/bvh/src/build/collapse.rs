@@ -12,7 +12,6 @@ use crate::geometry::GeometryView;
 use crate::memory::vector_with_capacity;
 use crate::names::Names;
 use crate::node::{Child, Custom, Node, TriangleBlock, WIDTH};
-use glam::Vec3;
 use rayon::prelude::*;
 
 /// What a subtree costs as at most 1, 2, … 7 children of a wide node.
@@ -215,22 +214,24 @@ fn fill_block(
     names: &Names,
 ) -> TriangleBlock {
     let mut block = TriangleBlock::EMPTY;
-    for lane in 0..WIDTH {
-        let reference = references.get(lane).unwrap_or(&references[0]);
+    let mut count = 0;
+    for reference in references {
         let (geometry, primitive) = (reference.geometry(), reference.primitive());
-        let corners = match &geometries[geometry as usize] {
-            GeometryView::Triangles(mesh) => {
-                mesh.indices[primitive as usize].map(|index| mesh.positions[index as usize])
-            }
-            // References are marked by the kind of their geometry, so this is never reached.
-            _ => [Vec3::ZERO; 3],
-        };
-        for (vertex, corner) in corners.iter().enumerate() {
-            for axis in 0..3 {
-                block.vertices[vertex][axis].0[lane] = corner[axis];
-            }
+        let name = names.name(geometry, primitive);
+        // Parts of one triangle may meet again.
+        if block.names[..count].contains(&name) {
+            continue;
         }
-        block.names[lane] = names.name(geometry, primitive);
+        if let GeometryView::Triangles(mesh) = &geometries[geometry as usize] {
+            let corners =
+                mesh.indices[primitive as usize].map(|index| mesh.positions[index as usize]);
+            block.set(count, name, corners);
+            count += 1;
+        }
+    }
+    let [a, b] = [0, 1].map(|vertex| block.vertex(vertex, 0));
+    for lane in count..WIDTH {
+        block.set(lane, block.names[0], [a, b, a]);
     }
     block
 }

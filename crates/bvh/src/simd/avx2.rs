@@ -21,6 +21,7 @@ macro_rules! intrinsics {
 
 impl Simd for Avx2 {
     type Vector = __m256;
+    type Mask = __m256;
 
     #[inline(always)]
     fn splat(value: f32) -> __m256 {
@@ -80,21 +81,43 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn less(a: __m256, b: __m256) -> u32 {
-        intrinsics!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32)
+    fn less(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b))
     }
 
     #[inline(always)]
-    fn less_equal(a: __m256, b: __m256) -> u32 {
-        intrinsics!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32)
+    fn less_equal(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b))
     }
 
     #[inline(always)]
-    fn both_less(a: __m256, b: __m256, c: __m256, d: __m256) -> u32 {
-        intrinsics!(_mm256_movemask_ps(_mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
-            _mm256_cmp_ps::<_CMP_LT_OQ>(c, d),
-        )) as u32)
+    fn and(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_and_ps(a, b))
+    }
+
+    #[inline(always)]
+    fn and_not(a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_andnot_ps(b, a))
+    }
+
+    #[inline(always)]
+    fn bits(mask: __m256) -> u32 {
+        intrinsics!(_mm256_movemask_ps(mask) as u32)
+    }
+
+    #[inline(always)]
+    fn select(mask: __m256, a: __m256, b: __m256) -> __m256 {
+        intrinsics!(_mm256_blendv_ps(b, a, mask))
+    }
+
+    #[inline(always)]
+    fn least_lane(vector: __m256) -> f32 {
+        intrinsics!({
+            let [low, high] = [_mm256_castps256_ps128(vector), _mm256_extractf128_ps::<1>(vector)];
+            let four = _mm_min_ps(low, high);
+            let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)))
+        })
     }
 
     #[inline(always)]

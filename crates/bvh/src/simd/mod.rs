@@ -61,12 +61,13 @@ impl Tier {
     }
 }
 
-/// The operations of one tier on eight lanes. Comparisons give a bit per lane, the first lane in
-/// the lowest bit. All round to nearest; all but [`Simd::multiply_add`] give the same bits in
+/// The operations of one tier on eight lanes. All round to nearest; all but [`Simd::multiply_add`] give the same bits in
 /// every tier.
 pub(crate) trait Simd {
     /// Eight numbers.
     type Vector: Copy;
+    /// Eight answers.
+    type Mask: Copy;
 
     /// The same number in all lanes.
     fn splat(value: f32) -> Self::Vector;
@@ -91,9 +92,19 @@ pub(crate) trait Simd {
     /// `|a|`.
     fn absolute(a: Self::Vector) -> Self::Vector;
     /// Where `a < b`.
-    fn less(a: Self::Vector, b: Self::Vector) -> u32;
+    fn less(a: Self::Vector, b: Self::Vector) -> Self::Mask;
     /// Where `a ≤ b`.
-    fn less_equal(a: Self::Vector, b: Self::Vector) -> u32;
+    fn less_equal(a: Self::Vector, b: Self::Vector) -> Self::Mask;
+    /// Where both are so.
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Where `a` is so and `b` is not.
+    fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// A bit for each lane, the first lane in the lowest bit.
+    fn bits(mask: Self::Mask) -> u32;
+    /// `a` where the mask is so, and `b` elsewhere.
+    fn select(mask: Self::Mask, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The least of the eight, all of which must be numbers.
+    fn least_lane(vector: Self::Vector) -> f32;
     /// Writes those of eight words that the mask names, in order, to eight words from `to` on; what
     /// the others become is not said.
     ///
@@ -101,8 +112,6 @@ pub(crate) trait Simd {
     ///
     /// There must be room for eight words at `to`.
     unsafe fn compress(words: &[u32; WIDTH], mask: u32, to: *mut u32);
-    /// Where `a < b` and `c < d`.
-    fn both_less(a: Self::Vector, b: Self::Vector, c: Self::Vector, d: Self::Vector) -> u32;
 }
 
 /// For each set of lanes, their numbers in order; the rest is 0.

@@ -18,6 +18,7 @@ fn bits(condition: impl Fn(usize) -> bool) -> u32 {
 
 impl Simd for Portable {
     type Vector = [f32; WIDTH];
+    type Mask = u32;
 
     #[inline(always)]
     fn splat(value: f32) -> Self::Vector {
@@ -86,8 +87,30 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn both_less(a: Self::Vector, b: Self::Vector, c: Self::Vector, d: Self::Vector) -> u32 {
-        bits(|lane| (a[lane] < b[lane]) & (c[lane] < d[lane]))
+    fn and(a: u32, b: u32) -> u32 {
+        a & b
+    }
+
+    #[inline(always)]
+    fn and_not(a: u32, b: u32) -> u32 {
+        a & !b
+    }
+
+    #[inline(always)]
+    fn bits(mask: u32) -> u32 {
+        mask
+    }
+
+    #[inline(always)]
+    fn select(mask: u32, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        std::array::from_fn(|lane| if mask >> lane & 1 != 0 { a[lane] } else { b[lane] })
+    }
+
+    #[inline(always)]
+    fn least_lane(vector: Self::Vector) -> f32 {
+        vector
+            .into_iter()
+            .fold(f32::INFINITY, |least, number| if number < least { number } else { least })
     }
 
     #[inline(always)]

@@ -170,7 +170,7 @@ impl<S: Simd> BoxConstants<S> {
         };
         let enter = S::greatest(S::greatest(near[0], near[1]), S::greatest(near[2], S::splat(0.0)));
         let leave = S::least(S::least(far[0], far[1]), S::least(far[2], t_max));
-        (S::less_equal(enter, leave), enter)
+        (S::bits(S::less_equal(enter, leave)), enter)
     }
 }
 
