@@ -15,6 +15,7 @@ use std::process::Stdio;
 use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
+use serde_json::json;
 
 use crate::workspace::{cargo, root};
 use scenes::{SCENES, Scene};
@@ -51,6 +52,8 @@ struct Arguments {
     /// How often every scene is measured, both renderers in turn; the median counts
     #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
+    #[command(flatten)]
+    keeping: keep::Keeping,
 }
 
 /// Another renderer.
@@ -85,11 +88,16 @@ fn render(arguments: &Arguments) -> Result<(), String> {
         None => None,
     };
     let folder = root().join(&arguments.scenes);
-    println!("Msamples/s on {} threads, median of {} rounds", arguments.threads, arguments.rounds);
-    println!("{:<14}{:>10}{:>10}{:>8}", "scene", "Etendue", "peer", "ratio");
+    let table = arguments.keeping.shows_table();
+    if table {
+        let Arguments { threads, rounds, .. } = arguments;
+        println!("Msamples/s on {threads} threads, median of {rounds} rounds");
+        println!("{:<14}{:>10}{:>10}{:>8}", "scene", "Etendue", "peer", "ratio");
+    }
     let is_wanted = |scene: &&Scene| {
         arguments.only.is_empty() || arguments.only.iter().any(|n| n == scene.name)
     };
+    let mut rows = Vec::new();
     for scene in SCENES.iter().filter(is_wanted) {
         let (mut own, mut theirs) = (Vec::new(), Vec::new());
         for _ in 0..arguments.rounds {
@@ -98,15 +106,25 @@ fn render(arguments: &Arguments) -> Result<(), String> {
                 theirs.push(peer::measure(python, scene, &folder, arguments.threads)?);
             }
         }
-        let own = median(own);
-        if theirs.is_empty() {
-            println!("{:<14}{own:>10.3}", scene.name);
-        } else {
-            let theirs = median(theirs);
-            println!("{:<14}{own:>10.3}{theirs:>10.3}{:>8.2}", scene.name, own / theirs);
+        rows.push(json!({
+            "scene": scene.name, "msamples_per_second": &own, "peer_msamples_per_second": &theirs,
+        }));
+        if table {
+            print_rates(scene.name, median(own), &theirs);
         }
     }
-    Ok(())
+    let figures = json!({ "threads": arguments.threads, "scenes": rows });
+    keep::finish("render", &figures, &arguments.keeping)
+}
+
+/// A line of the table of whole renders.
+fn print_rates(name: &str, own: f64, theirs: &[f64]) {
+    if theirs.is_empty() {
+        println!("{name:<14}{own:>10.3}");
+    } else {
+        let theirs = median(theirs.to_vec());
+        println!("{name:<14}{own:>10.3}{theirs:>10.3}{:>8.2}", own / theirs);
+    }
 }
 
 /// Compiles the command as users get it; returns its path.
