@@ -45,17 +45,16 @@ impl<R: Real> SpectrumLanes<R> {
     #[inline(always)]
     #[must_use]
     pub fn max_component(self) -> R {
-        let [first, rest @ ..] = self.0;
-        rest.into_iter().fold(first, R::max)
+        let [a, b, c] = self.0;
+        a.max(b).max(c)
     }
 
     /// The mean of the components.
     #[inline(always)]
     #[must_use]
     pub fn mean(self) -> R {
-        let [first, rest @ ..] = self.0;
-        rest.into_iter().fold(first, |sum, component| sum + component)
-            * (1.0 / Spectrum::LANES as f32)
+        let [a, b, c] = self.0;
+        (a + b + c) * (1.0 / Spectrum::LANES as f32)
     }
 
     /// The square root of each component.

@@ -13,9 +13,12 @@ const EXP_RANGE: [f32; 2] = [-87.0, 88.0];
 /// The polynomial with the given coefficients, the constant first.
 #[inline(always)]
 pub(super) fn polynomial<R: Real, const COUNT: usize>(x: R, coefficients: &[f32; COUNT]) -> R {
-    let highest = x.like(coefficients[COUNT - 1]);
-    let lower = coefficients[..COUNT - 1].iter().rev();
-    lower.fold(highest, |sum, &coefficient| sum * x + coefficient)
+    let mut sum = x.like(coefficients[COUNT - 1]);
+    // Not by an iterator's fold: that is not always inlined, and would lose the instructions.
+    for &coefficient in coefficients[..COUNT - 1].iter().rev() {
+        sum = sum * x + coefficient;
+    }
+    sum
 }
 
 /// e^x as 2ⁿ · e^r with |r| ≤ ln 2 / 2. The coefficients interpolate (e^r − 1 − r) / r² at
