@@ -60,8 +60,10 @@ fn coherent_rays(random: &mut Random, reach: f32) -> Vec<Ray> {
         for place in 0..64 {
             let beside = Vec3::new((place % 8) as f32, (place / 8) as f32, 1.0) * (0.02 * reach);
             rays.push(Ray::new(from, to + beside - from));
-            let end = random.unit() * 2.0;
-            rays.push(Ray::segment(to + beside, from - to - beside, end));
+        }
+        for _ in 0..64 {
+            let beside = to + random.point() * (0.02 * reach);
+            rays.push(Ray::segment(beside, from - beside, random.unit() * 2.0));
         }
     }
     rays

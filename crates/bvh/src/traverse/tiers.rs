@@ -63,6 +63,51 @@ macro_rules! packets {
             any::<$simd, P>(bvh, ray, primitives, Hit::NO_INSTANCE, child)
         }
 
+        /// One ray after another: one's last steps overlap the next one's first. Not in one function
+        /// with packets, which would take its registers.
+        #[inline(never)]
+        $(#[$attribute])*
+        fn intersect_each<P: Primitives>(
+            bvh: &Bvh,
+            rays: &[Ray],
+            primitives: &P,
+            hits: &mut Vec<Option<Hit>>,
+        ) {
+            hits.reserve(rays.len());
+            for ray in rays {
+                let start = Child::node(0);
+                hits.push(closest::<$simd, P>(bvh, ray, primitives, Hit::NO_INSTANCE, start));
+            }
+        }
+
+        /// As `intersect_each`.
+        #[inline(never)]
+        $(#[$attribute])*
+        fn occluded_each<P: Primitives>(
+            bvh: &Bvh,
+            rays: &[Ray],
+            primitives: &P,
+            occluded: &mut Vec<bool>,
+        ) {
+            occluded.reserve(rays.len());
+            for ray in rays {
+                let start = Child::node(0);
+                occluded.push(any::<$simd, P>(bvh, ray, primitives, Hit::NO_INSTANCE, start));
+            }
+        }
+
+        #[inline(never)]
+        $(#[$attribute])*
+        fn intersect_together<P: Primitives>(
+            bvh: &Bvh,
+            rays: &[Ray],
+            primitives: &P,
+            hits: &mut Vec<Option<Hit>>,
+        ) {
+            let alone = |ray: &Ray, child| intersect_below(bvh, ray, primitives, child);
+            packet::intersect_many::<$wide>(bvh, rays, alone, hits);
+        }
+
         #[inline(never)]
         $(#[$attribute])*
         pub(in super::super) fn intersect_many<P: Primitives>(
@@ -71,17 +116,29 @@ macro_rules! packets {
             primitives: &P,
             hits: &mut Vec<Option<Hit>>,
         ) {
-            if !packet::pays(bvh) {
-                hits.reserve(rays.len());
-                for ray in rays {
-                    let start = Child::node(0);
-                    let hit = closest::<$simd, P>(bvh, ray, primitives, Hit::NO_INSTANCE, start);
-                    hits.push(hit);
+            let mut rest = rays;
+            while !rest.is_empty() {
+                let (count, together) = packet::choice::next_run::<$wide>(bvh, rest);
+                let (rays, later) = rest.split_at(count);
+                rest = later;
+                if together {
+                    intersect_together(bvh, rays, primitives, hits);
+                } else {
+                    intersect_each(bvh, rays, primitives, hits);
                 }
-                return;
             }
-            let alone = |ray: &Ray, child| intersect_below(bvh, ray, primitives, child);
-            packet::intersect_many::<$wide>(bvh, rays, alone, hits);
+        }
+
+        #[inline(never)]
+        $(#[$attribute])*
+        fn occluded_together<P: Primitives>(
+            bvh: &Bvh,
+            rays: &[Ray],
+            primitives: &P,
+            occluded: &mut Vec<bool>,
+        ) {
+            let alone = |ray: &Ray, child| occluded_below(bvh, ray, primitives, child);
+            packet::occluded_many::<$wide>(bvh, rays, alone, occluded);
         }
 
         #[inline(never)]
@@ -92,16 +149,17 @@ macro_rules! packets {
             primitives: &P,
             occluded: &mut Vec<bool>,
         ) {
-            if !packet::pays(bvh) {
-                occluded.reserve(rays.len());
-                for ray in rays {
-                    let start = Child::node(0);
-                    occluded.push(any::<$simd, P>(bvh, ray, primitives, Hit::NO_INSTANCE, start));
+            let mut rest = rays;
+            while !rest.is_empty() {
+                let (count, together) = packet::choice::next_run::<$wide>(bvh, rest);
+                let (rays, later) = rest.split_at(count);
+                rest = later;
+                if together {
+                    occluded_together(bvh, rays, primitives, occluded);
+                } else {
+                    occluded_each(bvh, rays, primitives, occluded);
                 }
-                return;
             }
-            let alone = |ray: &Ray, child| occluded_below(bvh, ray, primitives, child);
-            packet::occluded_many::<$wide>(bvh, rays, alone, occluded);
         }
     };
 }

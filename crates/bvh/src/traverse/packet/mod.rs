@@ -6,6 +6,7 @@
 //! together they go on alone, as do those with coordinates near the ends of the range.
 
 mod any;
+pub(super) mod choice;
 mod closest;
 mod rays;
 mod triangles;
@@ -35,12 +36,6 @@ pub(super) fn intersect_many<W: Wide>(
     for (number, rays) in packets.clone().enumerate() {
         let hits = hits.next().unwrap_or_default();
         columns[(number + 1) % 2].fill::<W>(packets.clone().nth(number + 1).unwrap_or_default());
-        if rays.len() < LEAST_RAYS {
-            for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = alone(ray, Child::node(0));
-            }
-            continue;
-        }
         let packet = Packet::<W>::new(&columns[number % 2], reach);
         let mut query = closest::Closest::new(bvh, rays, &packet, alone);
         walk::walk::<W, _>(bvh, &packet, packet.ordinary, &mut query);
@@ -62,10 +57,6 @@ pub(super) fn occluded_many<W: Wide>(
     columns[0].fill::<W>(packets.clone().next().unwrap_or_default());
     for (number, rays) in packets.clone().enumerate() {
         columns[(number + 1) % 2].fill::<W>(packets.clone().nth(number + 1).unwrap_or_default());
-        if rays.len() < LEAST_RAYS {
-            occluded.extend(rays.iter().map(|ray| alone(ray, Child::node(0))));
-            continue;
-        }
         let packet = Packet::<W>::new(&columns[number % 2], reach);
         let mut query = any::Any::new(rays, &packet, alone);
         walk::walk::<W, _>(bvh, &packet, packet.ordinary, &mut query);
@@ -76,16 +67,4 @@ pub(super) fn occluded_many<W: Wide>(
 /// The greatest coordinate of anything in the tree.
 fn reach(bvh: &Bvh) -> f32 {
     bvh.bounds.min.abs().max(bvh.bounds.max.abs()).max_element()
-}
-
-/// Trees of so few nodes are small.
-const SMALL: usize = 8;
-
-/// Fewer rays are traced one after another.
-const LEAST_RAYS: usize = 4;
-
-/// Whether packets are faster than one ray after another.
-#[inline]
-pub(super) fn pays(bvh: &Bvh) -> bool {
-    bvh.nodes.len() <= SMALL
 }

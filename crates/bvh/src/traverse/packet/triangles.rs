@@ -58,10 +58,8 @@ impl Survivors {
         let mut count = 0;
         let [a, b, c] = &block.vertices;
         let vertices = [W::vertex(a), W::vertex(b), W::vertex(c)];
-        // The first one stands in for those that are missing.
-        let first = block.names[0];
         for triangle in 0..WIDTH {
-            if triangle > 0 && block.names[triangle] == first {
+            if !block.is_used(triangle) {
                 break;
             }
             let a = place(vertices[0], triangle, rays);

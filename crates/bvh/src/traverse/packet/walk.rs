@@ -4,7 +4,6 @@ use super::rays::Packet;
 use crate::bvh::Bvh;
 use crate::node::{Child, TriangleBlock, WIDTH};
 use crate::simd::wide::{Row, Wide};
-use crate::traverse::STACK_SIZE;
 use std::mem::MaybeUninit;
 
 /// What the rays of a packet are traced for.
@@ -22,6 +21,10 @@ pub(super) trait Query<W: Wide> {
     fn alone(&mut self, lanes: u32, child: Child);
 }
 
+/// Below so many levels of nodes rays go on alone. Few trees are deeper, and a stack for the deepest
+/// that there can be would take more pages than small batches of rays are worth.
+const DEPTH: usize = 24;
+
 /// What waits, by level and slot: children that wait on a level all belong to one node.
 struct Levels {
     /// Where the rays enter.
@@ -29,8 +32,6 @@ struct Levels {
     /// Which rays do, and the child.
     met: [[MaybeUninit<(u32, Child)>; WIDTH]; DEPTH],
 }
-
-const DEPTH: usize = crate::build::MAX_DEPTH + 1;
 
 /// A child that waits: the distance where some ray enters it, then its level and slot. The bits of
 /// numbers that are not negative are ordered as the numbers.
@@ -51,18 +52,15 @@ pub(super) fn walk<W: Wide, Q: Query<W>>(bvh: &Bvh, rays: &Packet<W>, lanes: u32
         enter: [[const { MaybeUninit::uninit() }; WIDTH]; DEPTH],
         met: [[const { MaybeUninit::uninit() }; WIDTH]; DEPTH],
     };
-    let mut stack = [MaybeUninit::<Entry>::uninit(); STACK_SIZE];
+    let mut stack = [MaybeUninit::<Entry>::uninit(); DEPTH * WIDTH];
     let nodes = bvh.nodes.as_ptr();
     let mut waiting = 0;
     let (mut current, mut lanes, mut depth) = (Child::node(0), lanes, 0);
     loop {
-        if current.is_node() {
+        if current.is_node() && depth < DEPTH {
             // SAFETY: the builder made as many nodes as it numbered.
             let node = unsafe { &*nodes.byte_add(current.node_offset()) };
-            // SAFETY: the builder bounds the depth of the hierarchy.
-            let (enters, mets) = unsafe {
-                (levels.enter.get_unchecked_mut(depth), levels.met.get_unchecked_mut(depth))
-            };
+            let (enters, mets) = (&mut levels.enter[depth], &mut levels.met[depth]);
             let bottom = waiting;
             let limit = query.limit();
             for slot in 0..WIDTH {
@@ -80,8 +78,8 @@ pub(super) fn walk<W: Wide, Q: Query<W>>(bvh: &Bvh, rays: &Packet<W>, lanes: u32
                 let distance = enter.0[met.trailing_zeros() as usize & (W::LANES - 1)];
                 let new = entry(distance, depth, slot);
                 let mut place = waiting;
-                // SAFETY: entries below `waiting` have been written, and the depth of the hierarchy
-                // keeps `waiting` below STACK_SIZE.
+                // SAFETY: entries below `waiting` have been written, and no more wait than eight on
+                // each level.
                 unsafe {
                     while Q::SORTED
                         && place > bottom
