@@ -34,6 +34,13 @@ pub trait Real:
     fn copysign(self, sign: Self) -> Self;
     /// The greatest whole number not above x, for |x| below 2³¹.
     fn floor(self) -> Self;
+    /// The nearest whole number, the even one of two, for |x| below 2²².
+    #[inline(always)]
+    fn nearest(self) -> Self {
+        // The sum has no digits left behind the point.
+        self + NO_FRACTION - NO_FRACTION
+    }
+
     /// 2ⁿ for a whole number n from −126 to 127.
     fn power_of_two(self) -> Self;
     /// A positive normal number as m · 2ⁿ with m in [1, 2): (m, n).
@@ -129,7 +136,7 @@ pub trait Real:
         functions::sin_cos_eighth(self)
     }
 
-    /// Sine and cosine of 2πx, a number of turns, within two roundings of one.
+    /// Sine and cosine of 2πx, a number of turns below 2²², within two roundings of one.
     #[inline(always)]
     fn sin_cos_turn(self) -> (Self, Self) {
         functions::sin_cos_turn(self)
@@ -142,6 +149,9 @@ pub trait Real:
     }
 }
 
+/// Between numbers of this size and the next there is nothing: 1.5 · 2²³. Of its sum with a whole
+/// number n from −2²² to 2²² the last bits are those of n, in two's complement.
+const NO_FRACTION: f32 = 12_582_912.0;
 /// Exponent bits of 1.
 const ONE_EXPONENT: i32 = 127;
 /// Bits of the mantissa.
@@ -181,7 +191,8 @@ impl Real for f32 {
 
     #[inline(always)]
     fn power_of_two(self) -> Self {
-        f32::from_bits(((self as i32 + ONE_EXPONENT) as u32) << MANTISSA_BITS)
+        let exponent = (self + NO_FRACTION).to_bits() << MANTISSA_BITS;
+        f32::from_bits(exponent.wrapping_add(1.0_f32.to_bits()))
     }
 
     #[inline(always)]
@@ -297,7 +308,7 @@ impl<S: Simd> Lanes<S> {
     }
 
     #[inline(always)]
-    fn bits(self) -> S::u32s {
+    pub(super) fn bits(self) -> S::u32s {
         self.0.bitcast()
     }
 
@@ -386,8 +397,7 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn power_of_two(self) -> Self {
-        let exponent: S::i32s = self.0.to_int();
-        let bits = (exponent + ONE_EXPONENT) << MANTISSA_BITS;
+        let bits = ((self + NO_FRACTION).bits() << MANTISSA_BITS) + 1.0_f32.to_bits();
         Self(bits.bitcast())
     }
 

@@ -10,15 +10,20 @@ const LN_2_LOW: f32 = -2.121_944_4e-4;
 /// Beyond these e^x is taken as zero and as infinite; between them its exponent is a normal one.
 const EXP_RANGE: [f32; 2] = [-87.0, 88.0];
 
-/// The polynomial with the given coefficients, the constant first.
+/// The polynomial with the given coefficients, the constant first: at least two.
+///
+/// Even and odd powers are summed up by Horner's scheme apart from each other, as its chain of
+/// operations is half as long then.
 #[inline(always)]
 pub(super) fn polynomial<R: Real, const COUNT: usize>(x: R, coefficients: &[f32; COUNT]) -> R {
-    let mut sum = x.like(coefficients[COUNT - 1]);
+    let square = x * x;
+    let (mut odd, mut even) = (x.like(coefficients[COUNT - 1]), x.like(coefficients[COUNT - 2]));
     // Not by an iterator's fold: that is not always inlined, and would lose the instructions.
-    for &coefficient in coefficients[..COUNT - 1].iter().rev() {
-        sum = sum * x + coefficient;
+    for &coefficient in coefficients[..COUNT - 2].iter().rev() {
+        // The one that was `even` is now the sum of the odd powers that follow.
+        (odd, even) = (even, odd * square + coefficient);
     }
-    sum
+    odd * x + even
 }
 
 /// e^x as 2ⁿ · e^r with |r| ≤ ln 2 / 2. The coefficients interpolate (e^r − 1 − r) / r² at
@@ -29,7 +34,7 @@ pub(super) fn exp<R: Real>(x: R) -> R {
     let [lowest, highest] = EXP_RANGE;
     // In this order NaN stays.
     let limited = x.like(highest).min(x.like(lowest).max(x));
-    let exponent = (limited * LOG2_E + 0.5).floor();
+    let exponent = (limited * LOG2_E).nearest();
     let r = limited - exponent * LN_2_HIGH - exponent * LN_2_LOW;
     let power = (r * r * polynomial(r, &COEFFICIENTS) + r + 1.0) * exponent.power_of_two();
     let power = R::select(x.below(lowest), x.zero(), power);
@@ -65,17 +70,18 @@ pub(super) fn sin_cos_eighth<R: Real>(angle: R) -> (R, R) {
     (sine, square * polynomial(square, &COSINE) + 1.0)
 }
 
-/// Sine and cosine of 2πx. The nearest quarter turn is taken off exactly.
+/// Sine and cosine of 2πx. The nearest turn and the nearest quarter are taken off exactly.
 #[inline(always)]
 pub(super) fn sin_cos_turn<R: Real>(x: R) -> (R, R) {
-    let quarters = (x * 4.0 + 0.5).floor();
-    let (sine, cosine) = sin_cos_eighth((x - quarters * 0.25) * TAU);
-    // Two bits of the count of quarters: odd ones swap, and halves negate.
-    let halves = (quarters * 0.5).floor();
-    let is_odd = (quarters - halves * 2.0).above(0.5);
-    let is_beyond = (halves - (halves * 0.5).floor() * 2.0).above(0.5);
-    let (y, x) = (R::select(is_odd, cosine, sine), R::select(is_odd, -sine, cosine));
-    (R::select(is_beyond, -y, y), R::select(is_beyond, -x, x))
+    let rest = x - x.nearest();
+    // From −2 to 2: odd ones swap, and halves negate.
+    let quarters = (rest * 4.0).nearest();
+    let (sine, cosine) = sin_cos_eighth((rest - quarters * 0.25) * TAU);
+    let square = quarters * quarters;
+    let (is_odd, is_half) = (square.equals(square.like(1.0)), square.above(2.0));
+    let y = R::select(is_odd, cosine * quarters, sine);
+    let x = R::select(is_odd, -sine * quarters, cosine);
+    (R::select(is_half, -y, y), R::select(is_half, -x, x))
 }
 
 #[cfg(test)]

@@ -19,12 +19,14 @@ mod float;
 mod functions;
 mod integer;
 mod mask;
+mod table;
 mod vector;
 
 pub use fearless_simd::{Level, Simd};
 pub use float::{LaneArray, Lanes, Real};
 pub use integer::{Word, Word32, Word64, WordArray32, WordArray64, WordLanes32, WordLanes64};
 pub use mask::{LaneMask, Mask};
+pub use table::TABLE_ENTRIES;
 pub use vector::{Frame3, Vector2, Vector3};
 
 /// The most lanes that any machine has, and the length of a [`LaneArray`]. A multiple of the lanes

@@ -85,6 +85,11 @@ fn whole_numbers_and_powers_fit_together() {
     let (mantissa, exponent) = Real::mantissa_and_exponent(40.0_f32);
     assert_eq!((mantissa, exponent), (1.25, 5.0));
     assert_eq!(Real::floor(-0.5_f32), -1.0);
+    assert_eq!([-1.5, -0.5, 0.4, 2.5].map(<f32 as Real>::nearest), [-2.0, 0.0, 0.0, 2.0]);
+    assert_eq!(
+        [-126.0, 0.0, 127.0].map(<f32 as Real>::power_of_two),
+        [-126, 0, 127].map(|n| 2.0_f32.powi(n))
+    );
 }
 
 #[test]
@@ -100,6 +105,36 @@ fn functions_give_the_bits_of_single_numbers() {
         let (sine, cosine) = Real::sin_cos_turn(inside);
         sine - cosine * 3.0
     });
+}
+
+#[test]
+fn tables_are_read_alike() {
+    let table: [f32; TABLE_ENTRIES] = std::array::from_fn(|entry| 0.1 * entry as f32 - 3.0);
+    for level in levels() {
+        for shift in [0, 13, 48] {
+            let indices = LaneArray(std::array::from_fn(|lane| (lane + shift) as f32));
+            let mut entries = [LaneArray::ZERO; 2];
+            with_lanes!(level, simd => read(simd, &table, &indices, &mut entries));
+            for lane in 0..MAX_LANES {
+                let expected = table[lane + shift];
+                assert_eq!(entries.map(|entries| entries.0[lane]), [expected; 2], "{level:?}");
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn read<S: Simd>(
+    simd: S,
+    table: &[f32; TABLE_ENTRIES],
+    indices: &LaneArray,
+    entries: &mut [LaneArray; 2],
+) {
+    for first in (0..MAX_LANES).step_by(Lanes::<S>::COUNT) {
+        let index = Lanes::load(simd, indices, first);
+        Lanes::of_table(simd, table, index).store(&mut entries[0], first);
+        Lanes::of_tables(simd, index, |_| table).store(&mut entries[1], first);
+    }
 }
 
 #[test]

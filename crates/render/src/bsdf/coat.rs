@@ -2,12 +2,12 @@
 
 use super::fresnel;
 use super::microfacet::{Distribution, Microfacets, NormalSampling};
-use etendue_math::lanes::{LaneArray, Lanes, MAX_LANES, Real, Simd};
+use etendue_math::lanes::{Lanes, MAX_LANES, Real, Simd, TABLE_ENTRIES};
 use glam::{Vec2, Vec3};
 use std::f64::consts::PI;
 
 /// Entries over the cosine, from 0 to 1.
-const ENTRIES: usize = 64;
+const ENTRIES: usize = TABLE_ENTRIES;
 
 /// Nodes of the quadrature over the normals, along each of its two variables, from outside.
 const NODES_OUTSIDE: usize = 32;
@@ -40,20 +40,12 @@ impl CoatTable {
 
     /// One that lets no light through.
     pub(super) const BLACK: Self = Self { entering: [0.0; ENTRIES], thrown_back: 0.0 };
-
-    /// The entry of the given index and the next.
-    #[inline(always)]
-    fn pair(&self, index: usize) -> [f32; 2] {
-        // Never beyond, and known to be so.
-        let index = index.min(ENTRIES - 2);
-        [self.entering[index], self.entering[index + 1]]
-    }
 }
 
 /// The tables of as many hits as `R` has lanes.
 pub(super) trait Coats<R: Real>: Copy {
-    /// The entry of each hit's table with the given index, a whole number from 0 to 62, and the next.
-    fn pairs(self, index: R) -> [R; 2];
+    /// The entry of each hit's table with the given index, a whole number from 0 to 63.
+    fn entries(self, index: R) -> R;
 
     /// The share of light that enters from outside at this cosine, linear between the entries.
     #[inline(always)]
@@ -61,24 +53,27 @@ pub(super) trait Coats<R: Real>: Copy {
         let limited = cosine.max(cosine.zero()).min(cosine.like(1.0));
         let position = limited * (ENTRIES - 1) as f32;
         let index = position.floor().min(cosine.like((ENTRIES - 2) as f32));
-        let [low, high] = self.pairs(index);
+        let (low, high) = (self.entries(index), self.entries(index + 1.0));
         low + (high - low) * (position - index)
     }
 }
 
 impl Coats<f32> for &CoatTable {
     #[inline(always)]
-    fn pairs(self, index: f32) -> [f32; 2] {
-        self.pair(index as usize)
+    fn entries(self, index: f32) -> f32 {
+        // Never beyond, and known to be so.
+        self.entering[index as usize % ENTRIES]
     }
 }
 
-/// The table of each lane, from a lane `first` on.
+/// The table of each lane.
 #[derive(Clone, Copy)]
 pub(super) struct CoatLanes<'a, S> {
     /// The instructions of the lanes.
     pub(super) simd: S,
-    /// The tables of all lanes.
+    /// The table of all lanes, where they share one.
+    pub(super) shared: Option<&'a CoatTable>,
+    /// The tables of all lanes that there may be.
     pub(super) tables: &'a [&'a CoatTable; MAX_LANES],
     /// The place of the first lane among them.
     pub(super) first: usize,
@@ -86,15 +81,17 @@ pub(super) struct CoatLanes<'a, S> {
 
 impl<S: Simd> Coats<Lanes<S>> for CoatLanes<'_, S> {
     #[inline(always)]
-    fn pairs(self, index: Lanes<S>) -> [Lanes<S>; 2] {
-        // The last bits of 2²³ + index are those of the index.
-        let shifted = index + 8_388_608.0;
-        let (mut low, mut high) = (LaneArray::ZERO, LaneArray::ZERO);
-        for lane in 0..Lanes::<S>::COUNT {
-            let index = shifted.lane(lane).to_bits() as usize % ENTRIES;
-            [low.0[lane], high.0[lane]] = self.tables[self.first + lane].pair(index);
+    fn entries(self, index: Lanes<S>) -> Lanes<S> {
+        let Self { simd, shared, tables, first } = self;
+        if let Some(table) = shared {
+            return Lanes::of_table(simd, &table.entering, index);
         }
-        [Lanes::load(self.simd, &low, 0), Lanes::load(self.simd, &high, 0)]
+        Lanes::of_tables(
+            simd,
+            index,
+            #[inline(always)]
+            |lane| &tables[first + lane].entering,
+        )
     }
 }
 

@@ -426,6 +426,19 @@ pub struct ClosureLanes<'a> {
     columns: [LaneArray; COLUMNS],
     /// What rough coats let through.
     coats: [&'a CoatTable; MAX_LANES],
+    /// The coat of all lanes since the last restart, if they share one.
+    shared_coat: SharedCoat<'a>,
+}
+
+/// Whether lanes share a coat.
+#[derive(Clone, Copy, Debug)]
+enum SharedCoat<'a> {
+    /// No lane has been set.
+    Unset,
+    /// All have this one.
+    One(&'a CoatTable),
+    /// They do not.
+    Many,
 }
 
 /// A closure in as many lanes as the machine has, loaded from the columns of `$lanes`.
@@ -433,7 +446,11 @@ macro_rules! with_closure {
     ($lanes:expr, $simd:expr, $first:expr, $closure:ident => $work:expr) => {{
         let (columns, coats) = (&$lanes.columns, &$lanes.coats);
         let mut numbers = FromLanes { columns, simd: $simd, first: $first, count: 0 };
-        let coats = CoatLanes { tables: coats, simd: $simd, first: $first };
+        let shared = match $lanes.shared_coat {
+            SharedCoat::One(coat) => Some(coat),
+            SharedCoat::Unset | SharedCoat::Many => None,
+        };
+        let coats = CoatLanes { simd: $simd, shared, tables: coats, first: $first };
         with_closure!(@match $lanes.kind, numbers, $closure => $work,
             Diffuse: DiffuseClosure::default(), ();
             Plastic: PlasticClosure::default(), ();
@@ -464,7 +481,8 @@ impl<'a> ClosureLanes<'a> {
     #[must_use]
     pub fn new(kind: LaneKind) -> Self {
         let columns = [LaneArray::ZERO; COLUMNS];
-        Self { kind, two_sided: 0, columns, coats: [&CoatTable::BLACK; MAX_LANES] }
+        let coats = [&CoatTable::BLACK; MAX_LANES];
+        Self { kind, two_sided: 0, columns, coats, shared_coat: SharedCoat::Unset }
     }
 
     /// Begins anew with another kind. Lanes that are not set from now on hold anything.
@@ -472,6 +490,7 @@ impl<'a> ClosureLanes<'a> {
     pub fn restart(&mut self, kind: LaneKind) {
         self.kind = kind;
         self.two_sided = 0;
+        self.shared_coat = SharedCoat::Unset;
     }
 
     /// Resolves a material of this kind at a hit into a lane.
@@ -510,6 +529,11 @@ impl<'a> ClosureLanes<'a> {
             && let Material::RoughPlastic(coated) = &materials.materials[material.leaf.index()]
         {
             self.coats[lane] = coated.coat();
+            self.shared_coat = match self.shared_coat {
+                SharedCoat::Unset => SharedCoat::One(coated.coat()),
+                SharedCoat::One(coat) if std::ptr::eq(coat, coated.coat()) => self.shared_coat,
+                SharedCoat::One(_) | SharedCoat::Many => SharedCoat::Many,
+            };
         }
         material
     }

@@ -183,7 +183,7 @@ impl<R: Real> LaneClosure<R> for PlasticClosure<R> {
         }
         let wo = cosine_hemisphere::sample_lanes(direction);
         let (value, pdf) = self.eval_pdf_entering(entering, wo);
-        let (weight, exists) = (value / pdf, above & pdf.above(0.0));
+        let (weight, exists) = (value * pdf.reciprocal(), above & pdf.above(0.0));
         let base = SampleLanes { wo, weight, pdf, exists, ..SampleLanes::smooth(wi) };
         SampleLanes::select(is_specular, mirrored, base)
     }

@@ -200,7 +200,7 @@ impl<R: Real> LaneClosure<R> for RoughConductorClosure<R> {
         }
         let (value, pdf) = self.eval_pdf_at(above, wi, wo, m);
         let exists = pdf.above(0.0);
-        SampleLanes { wo, weight: value / pdf, pdf, exists, ..SampleLanes::smooth(wi) }
+        SampleLanes { wo, weight: value * pdf.reciprocal(), pdf, exists, ..SampleLanes::smooth(wi) }
     }
 }
 

@@ -271,7 +271,7 @@ impl<R: Real> LaneClosure<R> for RoughDielectricClosure<R> {
         let (value, pdf) = facing.eval_pdf_at(wo, m, transport);
         SampleLanes {
             wo: wo * facing.side,
-            weight: value / pdf,
+            weight: value * pdf.reciprocal(),
             pdf,
             eta: R::select(reflects, pdf.like(1.0), facing.eta),
             exists: exists & pdf.above(0.0),

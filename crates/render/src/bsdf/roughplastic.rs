@@ -222,14 +222,17 @@ impl<C: Coats<R>, R: Real> LaneClosure<R> for RoughPlasticClosure<C, R> {
         let is_specular = lobe.lt(self.specular_probability(entering));
         let mut wo = wi;
         if is_specular.any() {
-            wo = fresnel::reflect_lanes(wi, self.microfacets.sample(wi, direction));
+            // Lanes that go to the base have nothing to search for.
+            let x = R::select(is_specular, direction.x, direction.x.like(0.5));
+            let m = self.microfacets.sample(wi, Vector2::new(x, direction.y));
+            wo = fresnel::reflect_lanes(wi, m);
         }
         if !is_specular.all() {
             wo = Vector3::select(is_specular, wo, cosine_hemisphere::sample_lanes(direction));
         }
         let (value, pdf) = self.eval_pdf_entering(entering, wi, wo);
         let exists = pdf.above(0.0);
-        SampleLanes { wo, weight: value / pdf, pdf, exists, ..SampleLanes::smooth(wi) }
+        SampleLanes { wo, weight: value * pdf.reciprocal(), pdf, exists, ..SampleLanes::smooth(wi) }
     }
 }
 
