@@ -19,6 +19,8 @@ use crate::names::Names;
 use crate::node::Child;
 use crate::options::BuildOptions;
 use etendue_math::Bounds3;
+use glam::Affine3A;
+use std::sync::Arc;
 
 /// The binary tree is split by cost down to this depth, and in halves below it.
 const MAX_COST_DEPTH: usize = 48;
@@ -34,8 +36,8 @@ pub(crate) fn build(
     geometries: &[GeometryView<'_>],
     options: &BuildOptions,
 ) -> Result<Bvh, BuildError> {
-    let instances = place_instances(geometries)?;
-    let mut references = reference::collect(geometries, &instances)?;
+    check_instances(geometries)?;
+    let mut references = reference::collect(geometries)?;
     let split = presplit::presplit(&references, geometries, options.split_budget);
     if references.len().max(split.len()) >= Child::MAX_BLOCKS {
         return Err(BuildError::TooManyPrimitives);
@@ -60,6 +62,12 @@ pub(crate) fn build(
     drop(tree);
     let names = Names::new(geometries).ok_or(BuildError::TooManyPrimitives)?;
     let blocks = wide.fill_blocks(&references, geometries, &names);
+    drop(references);
+    // Only now: a million of them beside the tree would be a sixth of all memory.
+    let mut instances = Vec::with_capacity(count_instances(geometries));
+    for instance in place_instances(geometries) {
+        instances.push(instance?);
+    }
     Ok(Bvh::from_parts(
         wide.nodes,
         (blocks, names),
@@ -70,19 +78,34 @@ pub(crate) fn build(
 }
 
 /// The instances in the order of the geometries.
-fn place_instances(geometries: &[GeometryView<'_>]) -> Result<Vec<Instance>, BuildError> {
-    let is_instance = |view: &&GeometryView<'_>| matches!(view, GeometryView::Instance { .. });
-    let count = geometries.iter().filter(is_instance).count();
-    let mut instances = Vec::with_capacity(count);
-    for (number, view) in geometries.iter().enumerate() {
-        let GeometryView::Instance { group, to_world } = view else { continue };
-        let geometry = u32::try_from(number).map_err(|_| BuildError::TooManyPrimitives)?;
-        if !group.instances.is_empty() {
-            return Err(BuildError::NestedInstance { geometry });
-        }
-        let instance = Instance::new(group.clone(), geometry, *to_world)
-            .ok_or(BuildError::SingularTransform { geometry })?;
-        instances.push(instance);
+fn place_instances(
+    geometries: &[GeometryView<'_>],
+) -> impl Iterator<Item = Result<Instance, BuildError>> {
+    geometries.iter().enumerate().filter_map(|(number, view)| {
+        let GeometryView::Instance { group, to_world } = view else { return None };
+        Some(place_instance(number, group, *to_world))
+    })
+}
+
+fn place_instance(
+    number: usize,
+    group: &Arc<Bvh>,
+    to_world: Affine3A,
+) -> Result<Instance, BuildError> {
+    let geometry = u32::try_from(number).map_err(|_| BuildError::TooManyPrimitives)?;
+    if !group.instances.is_empty() {
+        return Err(BuildError::NestedInstance { geometry });
     }
-    Ok(instances)
+    let instance = Instance::new(group.clone(), geometry, to_world);
+    instance.ok_or(BuildError::SingularTransform { geometry })
+}
+
+/// Finds the first instance that cannot be.
+fn check_instances(geometries: &[GeometryView<'_>]) -> Result<(), BuildError> {
+    place_instances(geometries).try_for_each(|instance| instance.map(drop))
+}
+
+fn count_instances(geometries: &[GeometryView<'_>]) -> usize {
+    let is_instance = |view: &&GeometryView<'_>| matches!(view, GeometryView::Instance { .. });
+    geometries.iter().filter(is_instance).count()
 }

@@ -2,7 +2,7 @@
 
 use crate::error::BuildError;
 use crate::geometry::{GeometryView, TriangleMeshView};
-use crate::instance::{Instance, world_bounds};
+use crate::instance::world_bounds;
 use crate::memory::vector_with_capacity;
 use etendue_math::Bounds3;
 use glam::{Vec3, Vec4};
@@ -77,10 +77,7 @@ impl Reference {
 
 /// The references of all geometries, in order. Triangles without area and empty boxes, which
 /// nothing can hit, are left out.
-pub(super) fn collect(
-    geometries: &[GeometryView<'_>],
-    instances: &[Instance],
-) -> Result<Vec<Reference>, BuildError> {
+pub(super) fn collect(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>, BuildError> {
     if geometries.len() >= Reference::INSTANCE as usize {
         return Err(BuildError::TooManyPrimitives);
     }
@@ -90,9 +87,9 @@ pub(super) fn collect(
         match view {
             GeometryView::Triangles(mesh) => collect_triangles(geometry, mesh, &mut references)?,
             GeometryView::User(boxes) => collect_boxes(geometry, boxes, &mut references)?,
-            GeometryView::Instance { to_world, .. } => {
+            GeometryView::Instance { group, to_world } => {
                 let index: usize = next_instance.next().unwrap_or(usize::MAX);
-                let bounds = world_bounds(instances[index].group.bounds(), *to_world);
+                let bounds = world_bounds(group.bounds(), *to_world);
                 if !bounds.is_empty() {
                     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
                         return Err(BuildError::SingularTransform { geometry });
