@@ -22,7 +22,11 @@ const VALUES: [f32; MAX_LANES] = [
 ];
 
 fn levels() -> Vec<Level> {
-    vec![baseline(), Level::new()]
+    let best = Level::new();
+    let mut levels = vec![baseline(), best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(best.as_avx2().map(Simd::level));
+    levels
 }
 
 /// Compares a function of one number in lanes with itself on each number alone.

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::bsdf::testing::{TestMaterial, surface};
-use etendue_math::lanes::{Level, MAX_LANES, Mask as _, baseline};
+use crate::interaction::SurfaceInteraction;
+use crate::texture::Textures;
+use etendue_math::lanes::{LaneMask, Lanes, Level, MAX_LANES, Mask as _, Simd, baseline};
 use etendue_math::with_lanes;
 use etendue_testkit::TestRng;
 
