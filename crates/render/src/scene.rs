@@ -276,7 +276,7 @@ impl Scene {
     }
 
     /// What kind of material a hit has met, and which, if its vertex can be shaded in lanes: on a
-    /// triangle that emits no light and stands in the scene itself.
+    /// triangle that stands in the scene itself.
     #[inline(always)]
     #[must_use]
     pub fn lane_kind(&self, hit: &Hit) -> Option<(LaneKind, MaterialId)> {
@@ -284,7 +284,7 @@ impl Scene {
             return None;
         }
         let shape = &self.shapes[hit.geometry as usize];
-        if shape.emitter.is_some() || !matches!(shape.geometry, Geometry::Mesh(_)) {
+        if !matches!(shape.geometry, Geometry::Mesh(_)) {
             return None;
         }
         let kind = self.materials().lane_kind(shape.material)?;

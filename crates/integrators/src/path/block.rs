@@ -295,7 +295,7 @@ impl<'a> Block<'a> {
 }
 
 /// The places whose bits are set.
-fn places(mut bits: u32) -> impl Iterator<Item = usize> {
+pub(super) fn places(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let place = bits.trailing_zeros();
         bits &= bits.wrapping_sub(1);

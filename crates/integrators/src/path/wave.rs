@@ -9,7 +9,7 @@
 //! number waits for the one before, and in short loops the processor works on several chains at once.
 
 use super::Path;
-use super::block::{Block, Stage};
+use super::block::{Block, Stage, places};
 use crate::light::{NextEvent, Origin, beyond_emitters, distant, emitted};
 use crate::sheet::Sheet;
 use crate::{CameraRay, Radiance};
@@ -182,13 +182,11 @@ impl<'a> Wave<'a> {
                 integrator.escape(scene, (path, depth), ray);
                 continue;
             };
-            if let Some((kind, material)) = scene.lane_kind(hit) {
+            if !is_last && let Some((kind, material)) = scene.lane_kind(hit) {
+                let arrival = Arrival { path: index, ray: ray_index, hit: *hit, material };
+                self.arrivals[kind.index()].push(arrival);
                 if depth == 0 {
                     path.alpha = 1.0;
-                }
-                if !is_last {
-                    let arrival = Arrival { path: index, ray: ray_index, hit: *hit, material };
-                    self.arrivals[kind.index()].push(arrival);
                 }
                 continue;
             }
@@ -227,16 +225,25 @@ impl<'a> Wave<'a> {
         let Self { integrator, scene, depth, .. } = *self;
         let block = &mut self.block;
         block.start(kind, arrivals.len());
+        let mut emitting = 0;
         for (place, arrival) in arrivals.iter().enumerate() {
-            let Geometry::Mesh(mesh) = &scene.shape(ShapeId(arrival.hit.geometry)).geometry else {
+            let shape = scene.shape(ShapeId(arrival.hit.geometry));
+            let Geometry::Mesh(mesh) = &shape.geometry else {
                 unreachable!("only triangles are shaded in lanes");
             };
+            emitting |= u32::from(shape.emitter.is_some()) << place;
             let direction = self.arriving[arrival.ray].direction;
             block.triangles.set(place, mesh, &arrival.hit, direction);
             let path = &self.paths[arrival.path];
             block.set_path(place, arrival.path, (path.throughput, path.eta));
         }
         block.arrive(scene);
+        for place in places(emitting) {
+            let Arrival { path, ray, hit, .. } = &arrivals[place];
+            let (path, direction) = (&mut self.paths[*path], self.arriving[*ray].direction);
+            let surface = block.surfaces.interaction(place, hit);
+            path.radiance += path.throughput * emitted(scene, &surface, direction, &path.origin);
+        }
         for (place, arrival) in arrivals.iter().enumerate() {
             block.set_material(scene, place, (arrival.material, &arrival.hit));
         }
