@@ -104,8 +104,11 @@ impl Bvh {
         traverse::occluded(self, ray, primitives, Hit::NO_INSTANCE)
     }
 
-    /// As [`Bvh::intersect`] for many rays, whose hits are appended to `hits`. Per ray it is faster,
-    /// the more so the smaller the hierarchy is.
+    /// As [`Bvh::intersect`] for many rays, whose hits are appended to `hits`.
+    ///
+    /// Through hierarchies of a few hundred triangles, and where neighbours in the list start near
+    /// each other and go the same way, the rays travel in packets, which on x86-64 is two to four
+    /// times as fast. The hits are the same to the last bit.
     pub fn intersect_many<P: Primitives>(
         &self,
         rays: &[Ray],

@@ -6,6 +6,8 @@ pub(crate) mod portable;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod wide;
 #[cfg(target_arch = "x86_64")]
+mod wide_avx2;
+#[cfg(target_arch = "x86_64")]
 pub(crate) mod wide_avx512;
 
 use crate::node::{Lanes, WIDTH};
@@ -20,8 +22,9 @@ pub enum Tier {
     Portable,
     /// x86-64 with AVX2, FMA, BMI1 and BMI2.
     Avx2,
-    /// What `Avx2` says, and AVX-512 with F, VL, DQ and BW: the same eight lanes, with twice the
-    /// registers. Any hit is found a twentieth faster, the nearest no faster.
+    /// What `Avx2` says, and AVX-512 with F, VL, DQ and BW: for one ray the same eight lanes, with
+    /// twice the registers, by which any hit is found a twentieth faster and the nearest no faster;
+    /// packets have sixteen rays instead of eight.
     Avx512,
 }
 

@@ -21,7 +21,7 @@ pub(crate) trait Wide {
     /// One of the three axes for each lane.
     type Axes: Copy;
     /// One vertex of all triangles of a block.
-    type Vertex: Copy;
+    type Vertex<'a>: Copy;
 
     /// The same number in all lanes.
     fn splat(value: f32) -> Self::Vector;
@@ -60,7 +60,7 @@ pub(crate) trait Wide {
     /// The axes of the lanes: y in some, z in others, x elsewhere.
     fn axes(y: u32, z: u32) -> Self::Axes;
     /// The coordinates x, y and z of one vertex of the triangles of a block.
-    fn vertex(coordinates: &[Lanes; 3]) -> Self::Vertex;
+    fn vertex(coordinates: &[Lanes; 3]) -> Self::Vertex<'_>;
     /// A coordinate of a triangle's vertex, in each lane on its axis.
-    fn coordinate(vertex: Self::Vertex, triangle: usize, axes: Self::Axes) -> Self::Vector;
+    fn coordinate(vertex: Self::Vertex<'_>, triangle: usize, axes: Self::Axes) -> Self::Vector;
 }

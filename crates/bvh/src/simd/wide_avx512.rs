@@ -25,7 +25,7 @@ impl Wide for Avx512 {
     /// For each lane the axis, times [`WIDTH`].
     type Axes = __m512i;
     /// x and y, then z.
-    type Vertex = (__m512, __m512);
+    type Vertex<'a> = (__m512, __m512);
 
     #[inline(always)]
     fn splat(value: f32) -> __m512 {
@@ -134,7 +134,7 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    fn vertex(coordinates: &[Lanes; 3]) -> Self::Vertex {
+    fn vertex(coordinates: &[Lanes; 3]) -> Self::Vertex<'_> {
         intrinsics!((
             _mm512_loadu_ps(coordinates[0].0.as_ptr().cast()),
             _mm512_castps256_ps512(_mm256_load_ps(coordinates[2].0.as_ptr())),
@@ -142,7 +142,7 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    fn coordinate((xy, z): Self::Vertex, triangle: usize, axes: __m512i) -> __m512 {
+    fn coordinate((xy, z): Self::Vertex<'_>, triangle: usize, axes: __m512i) -> __m512 {
         intrinsics!({
             let places = _mm512_add_epi32(axes, _mm512_set1_epi32(triangle as i32));
             _mm512_permutex2var_ps(xy, places, z)

@@ -16,6 +16,9 @@ pub(crate) fn intersect_many<P: Primitives>(
     match bvh.tier() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
+        Tier::Avx2 => unsafe { tiers::avx2::intersect_many(bvh, rays, primitives, hits) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
         Tier::Avx512 => unsafe { tiers::avx512::intersect_many(bvh, rays, primitives, hits) },
         _ => hits.extend(
             rays.iter().map(|ray| super::intersect(bvh, ray, primitives, Hit::NO_INSTANCE)),
@@ -33,6 +36,9 @@ pub(crate) fn occluded_many<P: Primitives>(
     match bvh.tier() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a `Bvh` carries only tiers that `Tier::is_available` has found.
+        Tier::Avx2 => unsafe { tiers::avx2::occluded_many(bvh, rays, primitives, occluded) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
         Tier::Avx512 => unsafe { tiers::avx512::occluded_many(bvh, rays, primitives, occluded) },
         _ => occluded
             .extend(rays.iter().map(|ray| super::occluded(bvh, ray, primitives, Hit::NO_INSTANCE))),

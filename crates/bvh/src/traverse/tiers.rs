@@ -177,6 +177,7 @@ pub(super) mod avx2 {
     use crate::simd::avx2::Avx2;
 
     single!(Avx2, #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]);
+    packets!(Avx2, Avx2, #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]);
 }
 
 #[cfg(target_arch = "x86_64")]

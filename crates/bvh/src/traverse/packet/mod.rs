@@ -68,3 +68,43 @@ pub(super) fn occluded_many<W: Wide>(
 fn reach(bvh: &Bvh) -> f32 {
     bvh.bounds.min.abs().max(bvh.bounds.max.abs()).max_element()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{BuildOptions, Bvh, GeometryView, NoPrimitives, Tier, TriangleMeshView};
+    use etendue_math::Ray;
+    use glam::Vec3;
+
+    /// A packet goes no deeper than two levels in tests (`walk::DEPTH`).
+    #[test]
+    fn rays_go_on_alone_below_the_deepest_level_of_packets() {
+        let place = |index: u32, scale: f32| (index % 40) as f32 * scale;
+        let positions: Vec<Vec3> = (0..1600)
+            .map(|index| Vec3::new(place(index, 1.0), (index / 40) as f32, place(index, 0.01)))
+            .collect();
+        let indices: Vec<[u32; 3]> = (0..1599 - 40)
+            .flat_map(|index| [[index, index + 1, index + 40], [index + 1, index + 40, index + 41]])
+            .collect();
+        let mesh = TriangleMeshView { positions: &positions, indices: &indices };
+        let built = Bvh::build(&[GeometryView::Triangles(mesh)], &BuildOptions::default());
+        let built = built.expect("valid");
+        assert!(built.statistics().depth > 2, "{:?}", built.statistics());
+        let rays: Vec<Ray> = (0..640)
+            .map(|index| {
+                let aside = Vec3::new((index % 32) as f32, (index / 32) as f32, 0.0) * 0.1;
+                Ray::new(Vec3::new(20.0, 15.0, 40.0), Vec3::new(-1.0, -1.0, -30.0) + aside)
+            })
+            .collect();
+        for tier in [Tier::Portable, Tier::Avx2, Tier::Avx512] {
+            let bvh = built.clone().with_tier(tier);
+            let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+            bvh.intersect_many(&rays, &NoPrimitives, &mut hits);
+            bvh.occluded_many(&rays, &NoPrimitives, &mut occluded);
+            for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
+                assert_eq!(hit, bvh.intersect(ray, &NoPrimitives), "{tier:?} {ray:?}");
+                assert_eq!(occluded, hit.is_some(), "{tier:?} {ray:?}");
+            }
+            assert!(bvh.intersect(&rays[0], &NoPrimitives).is_some());
+        }
+    }
+}

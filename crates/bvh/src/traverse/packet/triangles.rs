@@ -131,7 +131,7 @@ impl Survivors {
 
 /// A vertex seen from the origins, on the rays' axes.
 #[inline(always)]
-fn place<W: Wide>(vertex: W::Vertex, triangle: usize, rays: &Packet<W>) -> [W::Vector; 3] {
+fn place<W: Wide>(vertex: W::Vertex<'_>, triangle: usize, rays: &Packet<W>) -> [W::Vector; 3] {
     [
         W::subtract(W::coordinate(vertex, triangle, rays.axes[0]), rays.origin[0]),
         W::subtract(W::coordinate(vertex, triangle, rays.axes[1]), rays.origin[1]),
