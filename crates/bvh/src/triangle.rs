@@ -86,6 +86,8 @@ pub(crate) fn intersect_block<S: Simd>(
         S::less(S::splat(LEAST_SOUND), absolute),
         S::less(absolute, S::splat(GREATEST_SOUND)),
     );
+    // One division at the end instead would shorten the chain; only primary rays were faster (a
+    // fiftieth), and the products would leave the range sooner.
     let inverse = S::divide(S::splat(1.0), determinant);
     let along =
         |edge: S::Vector, vertex: &Sheared<S>| S::multiply(S::multiply(edge, inverse), vertex[2]);

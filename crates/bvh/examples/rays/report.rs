@@ -90,7 +90,8 @@ pub(crate) fn json(
     all: &[Measured],
 ) -> String {
     let row = |measured: &Measured| {
-        let [one, two, one_wall, two_wall] = measured.build();
+        let seconds = |seconds: Option<f64>| seconds.map_or("null".into(), |s| format!("{s:.4}"));
+        let [one, two, one_wall, two_wall] = measured.build_seconds.map(seconds);
         let each = |value: &dyn Fn(Kind) -> String| {
             let values: Vec<String> =
                 kinds.iter().map(|&kind| format!("\"{}\": {}", kind.name(), value(kind))).collect();
@@ -99,7 +100,7 @@ pub(crate) fn json(
         let ratio = |kind| all[0].rate(kind, workload) / measured.rate(kind, workload);
         format!(
             "    {{\"name\": \"{}\", \"build_processor_seconds\": \
-             [{one:.4}, {two:.4}],\n     \"build_wall_seconds\": [{one_wall:.4}, {two_wall:.4}], \"bytes\": {},\n     \
+             [{one}, {two}],\n     \"build_wall_seconds\": [{one_wall}, {two_wall}], \"bytes\": {},\n     \
              \"mrays_per_second\": {{{}}},\n     \"ours_over_this\": {{{}}},\n     \
              \"hits\": {{{}}}}}",
             measured.name,
