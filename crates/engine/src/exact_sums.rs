@@ -106,7 +106,7 @@ impl ExactSums {
     /// If there is no such sum.
     #[inline]
     pub fn add(&mut self, index: usize, value: f64) {
-        add(&mut self.limits[index], &mut self.digits[index], value);
+        self.slice_mut(index, 1).add(0, [value]);
     }
 
     /// Adds other sums one by one. Any tree of merges gives the sums that adding all values to one
@@ -172,33 +172,51 @@ impl ExactSums {
 }
 
 impl SumsMut<'_> {
-    /// Adds a finite value to one of the sums.
+    /// Adds finite values to the sums from `first` on.
     #[inline(always)]
-    pub(crate) fn add(&mut self, index: usize, value: f64) {
-        add(&mut self.limits[index], &mut self.digits[index], value);
+    pub(crate) fn add<const N: usize>(&mut self, first: usize, values: [f64; N]) {
+        // Of known length, so that the loops are unrolled and work on several sums at once.
+        let (Some(limits), Some(digits)) = (
+            self.limits[first..].first_chunk_mut::<N>(),
+            self.digits[first..].first_chunk_mut::<N>(),
+        ) else {
+            panic!("there are no {N} sums from {first} on");
+        };
+        let mut rises = false;
+        for sum in 0..N {
+            rises |= exponent_field(values[sum]) >= limits[sum];
+        }
+        if rises {
+            for sum in 0..N {
+                raise(&mut limits[sum], &mut digits[sum], exponent_field(values[sum]));
+            }
+        }
+        for sum in 0..N {
+            add(limits[sum], &mut digits[sum], values[sum]);
+        }
     }
 }
 
+/// Adds a value to a sum whose window it fits.
 #[inline(always)]
-fn add(limit: &mut u16, digits: &mut Digits, value: f64) {
+fn add(limit: u16, digits: &mut Digits, value: f64) {
     debug_assert!(value.is_finite());
-    let exponent = exponent_field(value);
-    if exponent >= *limit {
-        raise(limit, digits, exponent);
-    }
     // One over the high unit: 2^31 over the limit.
-    let scaled = value * power_of_two(2 * BIAS + (DIGIT_BITS - 1) - *limit);
+    let scaled = value * power_of_two(2 * BIAS + (DIGIT_BITS - 1) - limit);
     let (high, rounded) = round(scaled);
     let (low, _) = round((scaled - rounded) * UNIT_RATIO);
     digits[0] += high;
     digits[1] += low;
 }
 
-/// Moves a sum to the least window that a value with this exponent field fits. Rare: once for the
+/// Moves a sum to the least window that a value with this exponent field fits, if it is in a lower one. Rare: once for the
 /// first value, and then for those that are far greater than all before.
 #[cold]
 #[inline(never)]
 fn raise(limit: &mut u16, digits: &mut Digits, exponent: u16) {
+    if exponent < *limit {
+        return;
+    }
     let above_lowest = exponent + 1 - LOWEST_LIMIT;
     let raised = LOWEST_LIMIT + above_lowest.next_multiple_of(DIGIT_BITS);
     *digits = carry(*digits, raised - *limit);

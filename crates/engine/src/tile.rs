@@ -6,6 +6,8 @@ use crate::region::Region;
 use crate::source::{Sample, SampleSource};
 use crate::splats::Splats;
 use crate::statistics::{Defect, Defects};
+use etendue_math::lanes::Level;
+use etendue_math::with_lanes;
 
 /// Red, green, blue and alpha; the extra layers follow.
 pub(crate) const COLOR_CHANNELS: usize = 4;
@@ -161,12 +163,24 @@ impl Tile {
         let layer_count = batch.layer_count;
         batch.layers.resize(batch.ids.len() * layer_count, 0.0);
         source.sample_batch(&batch.ids, &mut batch.layers, &mut batch.samples);
-        for (place, (id, sample)) in batch.ids.drain(..).zip(batch.samples.drain(..)).enumerate() {
-            let layers = &batch.layers[place * layer_count..(place + 1) * layer_count];
-            self.add(id, &sample, layers);
-        }
+        with_lanes!(Level::new(), _simd => self.add_batch(batch));
     }
 
+    /// Adds the samples of a batch to their pixels, and empties the batch.
+    #[inline(always)]
+    fn add_batch(&mut self, batch: &mut Batch) {
+        let layer_count = batch.layer_count;
+        // By reference: taken out one by one, ids of twelve bytes would be read back in pieces that
+        // the processor cannot forward, half of the time that sums take.
+        for (place, (id, sample)) in batch.ids.iter().zip(&batch.samples).enumerate() {
+            let layers = &batch.layers[place * layer_count..(place + 1) * layer_count];
+            self.add(*id, sample, layers);
+        }
+        batch.ids.clear();
+        batch.samples.clear();
+    }
+
+    #[inline(always)]
     fn add(&mut self, id: SampleId, sample: &Sample, layers: &[f32]) {
         if let Some(defect) = find_defect(sample, layers) {
             self.defects.add(defect, id);
@@ -184,8 +198,8 @@ impl Tile {
     }
 }
 
-/// How many samples are asked for at once: enough for the source to overlap their work, few enough
-/// that what it keeps of them stays in the nearest caches. From 64 to 256 there is no difference.
+/// How many samples are asked for at once: enough for the source to find many alike among them, few
+/// enough that what it keeps of them stays in the nearest caches.
 const BATCH_SIZE: usize = 256;
 
 /// Samples that are taken together.
@@ -225,18 +239,16 @@ fn find_defect(sample: &Sample, layers: &[f32]) -> Option<Defect> {
 fn add(sums: &mut SumsMut<'_>, sample: &Sample, layers: &[f32]) {
     let weight = f64::from(sample.weight);
     let [red, green, blue] = sample.color.rgb();
-    for (channel, value) in [red, green, blue, sample.alpha].into_iter().enumerate() {
-        sums.add(channel, weight * f64::from(value));
-    }
+    let values: [f32; COLOR_CHANNELS] = [red, green, blue, sample.alpha];
+    sums.add(0, values.map(|value| weight * f64::from(value)));
     for (layer, &value) in layers.iter().enumerate() {
-        sums.add(COLOR_CHANNELS + layer, weight * f64::from(value));
+        sums.add(COLOR_CHANNELS + layer, [weight * f64::from(value)]);
     }
 }
 
+#[inline(always)]
 fn add_squares(squares: &mut SumsMut<'_>, sample: &Sample) {
     let weight = f64::from(sample.weight);
-    for (channel, value) in sample.color.rgb().into_iter().enumerate() {
-        let weighted = weight * f64::from(value);
-        squares.add(channel, weighted * weighted);
-    }
+    let weighted = sample.color.rgb().map(|value| weight * f64::from(value));
+    squares.add(0, weighted.map(|value| value * value));
 }
