@@ -85,11 +85,13 @@ impl SampleSource for Camera<'_> {
         let mut streams: Vec<SampleStream> = ids.iter().map(start).collect();
         let mut places = Vec::with_capacity(ids.len());
         with_lanes!(self.scene.level(), simd => draw_points(simd, &mut streams, &mut places));
-        let (mut rays, responses): (Vec<_>, Vec<_>) = ids
-            .iter()
-            .zip(streams.into_iter().zip(places))
-            .map(|(&id, (stream, place))| self.start(id, stream, place))
-            .unzip();
+        let mut rays = Vec::with_capacity(ids.len());
+        let mut responses = Vec::with_capacity(ids.len());
+        for ((&id, &stream), &place) in ids.iter().zip(&streams).zip(&places) {
+            let (ray, response) = self.start(id, stream, place);
+            rays.push(ray);
+            responses.push(response);
+        }
         let mut radiance = Vec::with_capacity(ids.len());
         self.integrator.sample_batch(self.scene, &mut rays, layers, &mut radiance);
         samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
@@ -126,7 +128,7 @@ impl SampleSource for Camera<'_> {
 impl Camera<'_> {
     /// The ray that a sample starts with, and how the camera responds to what arrives along it.
     /// `place` has been drawn from the stream, for the place within the reconstruction filter.
-    #[inline]
+    #[inline(always)]
     fn start(&self, id: SampleId, mut stream: SampleStream, place: Vec2) -> (CameraRay, Response) {
         let pixel = UVec2::new(id.x, id.y);
         let (offset, weight) = self.setup.film.filter.sample(place);
