@@ -14,7 +14,9 @@ use glam::{Vec2, Vec3};
 
 fn scene(elements: &str) -> Scene {
     let diagnostics = Diagnostics::new();
-    let resources = MemoryResources::default();
+    let mut resources = MemoryResources::default();
+    resources.insert("roof.obj", ROOF);
+    resources.insert("field.obj", field());
     let text = format!("<scene version=\"3.0.0\">{elements}</scene>");
     let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
     let document = document.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
@@ -40,6 +42,41 @@ const OTHERS: &str = r#"
         <emitter type="area"><texture type="checkerboard" name="radiance"/></emitter></shape>
     <shape type="cube"><emitter type="area"/></shape>"#;
 
+/// Three triangles, the last without area, and a normal for each corner.
+const ROOF: &str = "v -1 0 0\nv 1 0 -0.5\nv 0.2 2 1\nv -3 1 2\nv 0 0 -0.25\n\
+    vn 0 0 1\nvn 0.3 -0.2 1\nvn -1 0 0.5\nvn 0 0 -1\n\
+    f 1//1 2//2 3//3\nf 1//1 3//3 4//4\nf 1//1 2//2 5//1\n";
+
+/// More triangles than one random number chooses from: a bumpy field.
+fn field() -> String {
+    const SIDE: usize = 50;
+    let height = |x: usize, y: usize| (x * 7 + y * 13) % 11;
+    let mut text = String::new();
+    for (x, y) in (0..=SIDE).flat_map(|x| (0..=SIDE).map(move |y| (x, y))) {
+        text +=
+            &format!("v {} {} 0.0{}\n", x as f32 * 0.1 - 2.5, y as f32 * 0.1 - 2.5, height(x, y));
+    }
+    for (x, y) in (0..SIDE).flat_map(|x| (0..SIDE).map(move |y| (x, y))) {
+        let a = x * (SIDE + 1) + y + 1;
+        let (b, c, d) = (a + SIDE + 1, a + SIDE + 2, a + 1);
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    text
+}
+
+/// Glowing meshes: smooth; faceted, shining the other way; and of thousands of triangles.
+const MESHES: [&str; 3] = [
+    r#"<shape type="obj"><string name="filename" value="roof.obj"/>
+        <emitter type="area"><rgb name="radiance" value="2, 3, 4"/></emitter></shape>"#,
+    r#"<shape type="obj"><string name="filename" value="roof.obj"/>
+        <boolean name="face_normals" value="true"/><boolean name="flip_normals" value="true"/>
+        <transform name="to_world"><rotate y="1" angle="70"/><translate x="-1" y="0.5" z="3"/></transform>
+        <emitter type="area"><rgb name="radiance" value="7, 1, 1"/></emitter></shape>"#,
+    r#"<shape type="obj"><string name="filename" value="field.obj"/>
+        <boolean name="face_normals" value="true"/>
+        <emitter type="area"/></shape>"#,
+];
+
 fn scenes() -> Vec<(&'static str, Scene)> {
     let many = PANEL.repeat(40);
     let surroundings =
@@ -57,6 +94,16 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("panels and others", scene(&format!("{PANEL}{OTHERS}"))),
         ("others alone", scene(OTHERS)),
         ("weights", scene(&format!("{PANEL}{SLANTED}{weighted}{PANEL}"))),
+        ("a smooth mesh", scene(MESHES[0])),
+        ("a faceted mesh", scene(MESHES[1])),
+        ("a mesh of many triangles", scene(MESHES[2])),
+        ("meshes alone", scene(&MESHES.concat())),
+        ("meshes, panels and surroundings", {
+            scene(&format!("{PANEL}{}{surroundings}{}", MESHES[0], MESHES[1]))
+        }),
+        ("meshes, weights and others", {
+            scene(&format!("{}{SLANTED}{OTHERS}{}{PANEL}{}", MESHES[1], MESHES[0], MESHES[2]))
+        }),
         ("weights and others", scene(&format!("{SLANTED}{OTHERS}{PANEL}"))),
     ]
 }

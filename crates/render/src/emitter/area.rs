@@ -7,8 +7,8 @@ use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::scene::Scene;
-use crate::shape::mesh::{Glow, Mesh, Parallelogram, ParallelogramBlock};
-use crate::shape::{Geometry, Shape, area_to_solid_angle_lanes};
+use crate::shape::area_to_solid_angle_lanes;
+use crate::shape::mesh::{Glow, LightPoint, Mesh, Parallelogram, ParallelogramBlock};
 use crate::texture::{ColorSource, Texture};
 use etendue_document::Parameters;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
@@ -57,6 +57,27 @@ fn towards<R: Real>(
     (direction, exists & !cosine.ge(cosine.zero()))
 }
 
+/// The light of a point that was chosen, as [`Area::sample_direction`].
+#[inline(always)]
+pub(super) fn light_from<R: Real>(
+    place: LightPoint<R>,
+    radiance: SpectrumLanes<R>,
+    reference: Vector3<R>,
+) -> LightLanes<R> {
+    let LightPoint { point, error, normal, shading_normal, pdf } = place;
+    let (pdf, visible) = area_to_solid_angle_lanes(pdf, point - reference, normal);
+    let (direction, shines) = towards(reference, point, shading_normal);
+    let never = visible & !visible;
+    LightLanes {
+        direction,
+        radiance,
+        pdf,
+        delta: never,
+        exists: visible & shines,
+        target: TargetLanes { point, error, normal, afar: never },
+    }
+}
+
 /// A flat parallelogram that glows evenly, or one for each lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panel<R> {
@@ -72,19 +93,7 @@ impl<R: Real> Panel<R> {
         reference: Vector3<R>,
         random: Vector2<R>,
     ) -> LightLanes<R> {
-        let Parallelogram { error, normal, shading_normal, pdf, .. } = self.shape;
-        let point = self.shape.point(random);
-        let (pdf, visible) = area_to_solid_angle_lanes(pdf, point - reference, normal);
-        let (direction, shines) = towards(reference, point, shading_normal);
-        let never = visible & !visible;
-        LightLanes {
-            direction,
-            radiance: self.radiance,
-            pdf,
-            delta: never,
-            exists: visible & shines,
-            target: TargetLanes { point, error, normal, afar: never },
-        }
+        light_from(self.shape.light_point(random), self.radiance, reference)
     }
 }
 
@@ -131,16 +140,6 @@ impl PanelBlock {
 }
 
 impl Area {
-    /// The light as a panel, if it is one.
-    pub(super) fn panel(&self, shapes: &[Shape]) -> Option<Panel<f32>> {
-        match (&shapes[self.shape.index()].geometry, self.radiance) {
-            (Geometry::Mesh(mesh), ColorSource::Constant(radiance)) => {
-                Some(Panel { shape: *mesh.parallelogram()?, radiance: radiance.into() })
-            }
-            _ => None,
-        }
-    }
-
     /// The radiance that leaves towards `surface.wi`: none at the back.
     #[inline]
     pub(super) fn radiance(&self, scene: &Scene, surface: &SurfaceInteraction) -> Spectrum {

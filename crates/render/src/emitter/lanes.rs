@@ -1,14 +1,17 @@
 //! Light chosen for several paths at once.
 //!
-//! Every lane has the bits of [`Scene::sample_light`]. Panels (flat lights of even radiance) and even
-//! surroundings are sampled in lanes; the other emitters lane by lane.
+//! Every lane has the bits of [`Scene::sample_light`]. Panels (flat lights of even radiance), other
+//! meshes of even radiance and even surroundings are sampled in lanes; the other emitters lane by lane.
 
-use super::area::{Panel, PanelBlock};
+use super::area::{Area, Panel, PanelBlock, light_from};
 use super::constant::light_from_everywhere;
 use super::{DirectionSample, Emitter, SHADOW_RAY_LENGTH, Target};
+use crate::ids::ShapeId;
 use crate::interaction::SurfaceLanes;
 use crate::scene::{Scene, choose_evenly};
-use crate::shape::Shape;
+use crate::shape::mesh::{LightPoint, LightPointBlock};
+use crate::shape::{Geometry, Shape};
+use crate::texture::ColorSource;
 use etendue_math::lanes::{
     LaneArray, LaneMask, Lanes, MAX_LANES, Mask, Real, Simd, Vector2, Vector3,
 };
@@ -106,11 +109,31 @@ enum Lamp {
     Panel(Panel<f32>),
     /// The same radiance from everywhere afar.
     Surroundings(Spectrum),
+    /// A mesh of even radiance, whose triangles are chosen by their area.
+    Mesh(ShapeId, Spectrum),
     /// Nothing: it is sampled for one path after another.
     Other,
 }
 
 impl Lamp {
+    fn new(emitter: &Emitter, shapes: &[Shape]) -> Self {
+        match emitter {
+            Emitter::Area(area) => Self::of_area(area, shapes),
+            Emitter::Constant(constant) => Self::Surroundings(constant.radiance()),
+            _ => Self::Other,
+        }
+    }
+
+    fn of_area(area: &Area, shapes: &[Shape]) -> Self {
+        let (shape, ColorSource::Constant(radiance)) = area.source() else { return Self::Other };
+        let Geometry::Mesh(mesh) = &shapes[shape.index()].geometry else { return Self::Other };
+        match mesh.parallelogram() {
+            Some(flat) => Self::Panel(Panel { shape: *flat, radiance: radiance.into() }),
+            None if mesh.chooses_triangles() => Self::Mesh(shape, radiance),
+            None => Self::Other,
+        }
+    }
+
     /// As [`Emitter::sample_direction`], if all lanes sample this emitter and can do so together.
     #[inline(always)]
     fn sample_direction<S: Simd>(
@@ -124,7 +147,7 @@ impl Lamp {
             Self::Surroundings(radiance) => {
                 Some(light_from_everywhere(SpectrumLanes::splat(simd, *radiance), random))
             }
-            Self::Other => None,
+            Self::Mesh(..) | Self::Other => None,
         }
     }
 }
@@ -135,12 +158,7 @@ pub(crate) struct Lamps(Vec<Lamp>);
 
 impl Lamps {
     pub(crate) fn new(emitters: &[Emitter], shapes: &[Shape]) -> Self {
-        let lamp = |emitter: &Emitter| match emitter {
-            Emitter::Area(area) => area.panel(shapes).map_or(Lamp::Other, Lamp::Panel),
-            Emitter::Constant(constant) => Lamp::Surroundings(constant.radiance()),
-            _ => Lamp::Other,
-        };
-        Self(emitters.iter().map(lamp).collect())
+        Self(emitters.iter().map(|emitter| Lamp::new(emitter, shapes)).collect())
     }
 }
 
@@ -242,7 +260,7 @@ impl Scene {
         emitters: &[u32; MAX_LANES],
     ) -> LightLanes<Lanes<S>> {
         let mut block = PanelBlock::default();
-        let (mut flat, mut surrounded) = (0, 0);
+        let (mut flat, mut surrounded, mut folded) = (0, 0, 0);
         for lane in lanes_of(wanted.bits()) {
             match &self.lamps().0[emitters[lane] as usize] {
                 Lamp::Panel(panel) => {
@@ -253,17 +271,27 @@ impl Scene {
                     block.set_radiance(lane, *radiance);
                     surrounded |= 1 << lane;
                 }
+                Lamp::Mesh(_, radiance) => {
+                    block.set_radiance(lane, *radiance);
+                    folded |= 1 << lane;
+                }
                 Lamp::Other => {}
             }
         }
-        let mut light = block.load(simd).sample_direction(reference, random);
-        light.exists = light.exists & LaneMask::from_bits(simd, flat);
+        let panel = block.load(simd);
+        let mut place = panel.shape.light_point(random);
+        if folded != 0 {
+            let points = self.points_of_meshes(simd, folded, emitters, random);
+            place = LightPoint::select(LaneMask::from_bits(simd, folded), points, place);
+        }
+        let mut light = light_from(place, panel.radiance, reference);
+        light.exists = light.exists & LaneMask::from_bits(simd, flat | folded);
         if surrounded != 0 {
             let everywhere = light_from_everywhere(light.radiance, random);
             let surrounded = LaneMask::from_bits(simd, surrounded);
             light = LightLanes::select(surrounded, everywhere, light);
         }
-        let others = wanted.bits() & !(flat | surrounded);
+        let others = wanted.bits() & !(flat | folded | surrounded);
         if others == 0 {
             return light;
         }
@@ -274,6 +302,29 @@ impl Scene {
         lights.store(&light);
         self.sample_others(others, emitters, &places, &mut lights);
         lights.load(simd)
+    }
+
+    /// Points of the glowing meshes of the lanes `folded`.
+    #[inline(always)]
+    fn points_of_meshes<S: Simd>(
+        &self,
+        simd: S,
+        folded: u32,
+        emitters: &[u32; MAX_LANES],
+        random: Vector2<Lanes<S>>,
+    ) -> LightPoint<Lanes<S>> {
+        let mut block = LightPointBlock::default();
+        let mut numbers = [LaneArray::ZERO; 2];
+        random.store(&mut numbers, 0);
+        for lane in lanes_of(folded) {
+            if let Lamp::Mesh(shape, _) = self.lamps().0[emitters[lane] as usize]
+                && let Geometry::Mesh(mesh) = &self.shape(shape).geometry
+            {
+                let random = numbers.each_ref().map(|column| column.0[lane]);
+                block.set(lane, mesh, random.into());
+            }
+        }
+        block.points(simd)
     }
 
     /// Light of the emitters of the lanes `others`, one by one.

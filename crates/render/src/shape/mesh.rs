@@ -1,9 +1,11 @@
 //! Triangle meshes: what `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface` become.
 
+mod light;
 mod parallelogram;
 mod picture;
 mod triangle;
 
+pub use light::{LightPoint, LightPointBlock};
 pub use parallelogram::{Parallelogram, ParallelogramBlock};
 pub use picture::Glow;
 pub use triangle::TriangleBlock;
@@ -14,10 +16,10 @@ use etendue_document::Parameters;
 use etendue_math::lanes::{Vector2, Vector3};
 use etendue_math::{Bounds3, Transform, rounding_error_bound};
 use etendue_mesh::{Attribute, MeshError, TriangleMesh};
-use etendue_sampling::{AliasSample, AliasTable, warp};
+use etendue_sampling::{AliasTable, warp};
 use glam::{Vec2, Vec3};
 use parallelogram::{Coordinates, Sheet};
-use triangle::{TrianglePoint, interpolate};
+use triangle::{Corners, Place, TrianglePoint, weights};
 
 /// A mesh placed in the world, with what sampling points on it needs.
 ///
@@ -263,28 +265,27 @@ impl Mesh {
     #[must_use]
     pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
         let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
-        let (smooth, mapped) = (!self.normals.is_empty(), !self.uvs.is_empty());
-        let none3 = [Vector3::from(Vec3::ZERO); 3];
-        let none2 = [Vector2::from(Vec2::ZERO); 3];
-        let normals = if smooth { vertices.map(|v| self.normals[v].into()) } else { none3 };
-        let uvs = if mapped { vertices.map(|v| self.uvs[v].into()) } else { none2 };
+        let mapped = !self.uvs.is_empty();
+        let none = [Vector2::from(Vec2::ZERO); 3];
+        let uvs = if mapped { vertices.map(|v| self.uvs[v].into()) } else { none };
         let point = TrianglePoint::<f32> {
-            corners: vertices.map(|vertex| self.positions[vertex].into()),
+            corners: self.corners_at(vertices),
             barycentric: barycentric.into(),
-            orientation: self.orientation,
-            normals: (smooth, normals),
             uvs: (mapped, uvs),
         };
         point.surface().into()
     }
 
     #[inline(always)]
-    fn shading_normal(&self, vertices: [usize; 3], weights: [f32; 3]) -> Option<Vec3> {
-        if self.normals.is_empty() {
-            return None;
+    fn corners_at(&self, vertices: [usize; 3]) -> Corners<f32> {
+        let smooth = !self.normals.is_empty();
+        let none = [Vector3::from(Vec3::ZERO); 3];
+        let normals = if smooth { vertices.map(|v| self.normals[v].into()) } else { none };
+        Corners {
+            positions: vertices.map(|vertex| self.positions[vertex].into()),
+            orientation: self.orientation,
+            normals: (smooth, normals),
         }
-        let [a, b, c] = vertices.map(|vertex| self.normals[vertex]);
-        (a * weights[0] + b * weights[1] + c * weights[2]).try_normalize()
     }
 
     /// A point, uniform in area unless it follows a picture; `None` where the mesh has none or was not made ready.
@@ -296,9 +297,8 @@ impl Mesh {
             AreaSampling::Slide(slide) => Some(slide.sample(random)),
             AreaSampling::Mosaic(mosaic) => Some(mosaic.sample(self, random)),
             AreaSampling::Triangles(table) => {
-                let (choice, y) = choose_triangle(table, random);
-                let barycentric = warp::uniform_triangle::sample(Vec2::new(choice.rest, y));
-                Some(self.light_point(choice.index as u32, barycentric))
+                let (triangle, rest) = choose_triangle(table, random);
+                Some(self.light_point(triangle, warp::uniform_triangle::sample(rest)))
             }
         }
     }
@@ -323,35 +323,36 @@ impl Mesh {
 
     /// What a light needs of [`Self::surface_point`]: no tangents.
     #[inline(always)]
-    fn light_point(&self, triangle: u32, barycentric: Vec2) -> ShapeSample {
-        let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
-        let corners = vertices.map(|vertex| self.positions[vertex]);
-        let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
-        let (point, error) = interpolate(corners.map(Vector3::from), weights);
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).normalize_or(Vec3::Z) * self.orientation;
+    fn light_point(&self, triangle: usize, barycentric: Vec2) -> ShapeSample {
+        let vertices = self.indices[triangle].map(|vertex| vertex as usize);
+        let place = self.corners_at(vertices).place(barycentric.into());
+        let Place { point, error, normal, shading_normal } = place;
         let uv = if self.uvs.is_empty() {
             barycentric
         } else {
+            let weights = weights(barycentric.into());
             let [a, b, c] = vertices.map(|vertex| self.uvs[vertex]);
             a * weights[0] + b * weights[1] + c * weights[2]
         };
         ShapeSample {
             point: point.into(),
             error: error.into(),
-            normal,
-            shading_normal: self.shading_normal(vertices, weights).unwrap_or(normal),
+            normal: normal.into(),
+            shading_normal: shading_normal.into(),
             uv,
             pdf: 1.0 / self.area,
         }
     }
 }
 
-/// Chooses a triangle, and gives what is left of the second number. The bits of one number do for a
+/// Chooses a triangle, and gives what is left of the two numbers. The bits of one number do for a
 /// few thousand triangles; for more, the upper half of the other one's are needed too.
-fn choose_triangle(table: &AliasTable, random: Vec2) -> (AliasSample, f32) {
-    if table.len() <= 4096 {
-        return (table.sample(random.x), random.y);
-    }
-    (table.sample_2d(random), (random.y * 4096.0).fract())
+#[inline]
+fn choose_triangle(table: &AliasTable, random: Vec2) -> (usize, Vec2) {
+    let (choice, y) = if table.len() <= 4096 {
+        (table.sample(random.x), random.y)
+    } else {
+        (table.sample_2d(random), (random.y * 4096.0).fract())
+    };
+    (choice.index, Vec2::new(choice.rest, y))
 }

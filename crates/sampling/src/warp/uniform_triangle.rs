@@ -4,19 +4,24 @@
 //! diagonal, without the crowding at a vertex that the square-root map has.
 
 use crate::hash::ONE_MINUS_EPSILON;
+use etendue_math::lanes::{Real, Vector2};
 use glam::Vec2;
 
 /// The barycentric coordinates of two vertices, both ≥ 0 with a sum ≤ 1; the third is the rest.
 #[inline]
 #[must_use]
 pub fn sample(uniform: Vec2) -> Vec2 {
-    if uniform.y > uniform.x {
-        let x = 0.5 * uniform.x;
-        Vec2::new(x, uniform.y - x)
-    } else {
-        let y = 0.5 * uniform.y;
-        Vec2::new(uniform.x - y, y)
-    }
+    sample_lanes::<f32>(uniform.into()).into()
+}
+
+/// [`sample`] over any [`Real`].
+#[inline(always)]
+#[must_use]
+pub fn sample_lanes<R: Real>(uniform: Vector2<R>) -> Vector2<R> {
+    let Vector2 { x, y } = uniform;
+    let above = y.gt(x);
+    let half = R::select(above, x, y) * 0.5;
+    Vector2::new(R::select(above, half, x - half), R::select(above, y - half, half))
 }
 
 /// The density in the plane of the two coordinates: 2 inside. (Per area: one over the triangle's.)

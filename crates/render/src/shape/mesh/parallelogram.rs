@@ -1,5 +1,6 @@
 //! Flat parallelograms, the commonest lights: points of them for one path or several.
 
+use super::LightPoint;
 use crate::shape::ShapeSample;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
 use glam::Vec2;
@@ -27,6 +28,14 @@ impl<R: Real> Parallelogram<R> {
     #[must_use]
     pub fn point(&self, random: Vector2<R>) -> Vector3<R> {
         self.corner + self.edges[0] * random.x + self.edges[1] * random.y
+    }
+
+    /// The same as a point of a light.
+    #[inline(always)]
+    #[must_use]
+    pub fn light_point(&self, random: Vector2<R>) -> LightPoint<R> {
+        let Self { error, normal, shading_normal, pdf, .. } = *self;
+        LightPoint { point: self.point(random), error, normal, shading_normal, pdf }
     }
 }
 

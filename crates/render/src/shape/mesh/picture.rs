@@ -117,10 +117,9 @@ impl Mosaic {
     }
 
     pub(super) fn sample(&self, mesh: &Mesh, random: Vec2) -> ShapeSample {
-        let (choice, y) = super::choose_triangle(&self.table, random);
-        let barycentric = warp::uniform_triangle::sample(Vec2::new(choice.rest, y));
-        let sample = mesh.light_point(choice.index as u32, barycentric);
-        ShapeSample { pdf: self.densities[choice.index], ..sample }
+        let (triangle, rest) = super::choose_triangle(&self.table, random);
+        let sample = mesh.light_point(triangle, warp::uniform_triangle::sample(rest));
+        ShapeSample { pdf: self.densities[triangle], ..sample }
     }
 
     /// The density per area on a triangle.

@@ -8,15 +8,28 @@ use etendue_math::lanes::{Frame3, LaneArray, LaneMask, Lanes, Mask, Real, Simd, 
 use etendue_math::rounding_error_bound;
 use glam::Vec3;
 
-/// A point of a triangle, with what the mesh knows of its corners.
-pub(super) struct TrianglePoint<R: Real> {
-    pub(super) corners: [Vector3<R>; 3],
-    /// Barycentric coordinates of the second and third corner.
-    pub(super) barycentric: Vector2<R>,
+/// The corners of a triangle.
+pub(super) struct Corners<R: Real> {
+    pub(super) positions: [Vector3<R>; 3],
     /// 1 where the front shows the corners counterclockwise, −1 where clockwise.
     pub(super) orientation: R,
     /// Whether the corners have normals, and these.
     pub(super) normals: (R::Mask, [Vector3<R>; 3]),
+}
+
+/// Where a point of a triangle is, and how the surface stands there.
+pub(super) struct Place<R> {
+    pub(super) point: Vector3<R>,
+    pub(super) error: Vector3<R>,
+    pub(super) normal: Vector3<R>,
+    pub(super) shading_normal: Vector3<R>,
+}
+
+/// A point of a triangle, with what the mesh knows of its corners.
+pub(super) struct TrianglePoint<R: Real> {
+    pub(super) corners: Corners<R>,
+    /// Barycentric coordinates of the second and third corner.
+    pub(super) barycentric: Vector2<R>,
     /// Whether the corners have surface coordinates, and these.
     pub(super) uvs: (R::Mask, [Vector2<R>; 3]),
 }
@@ -41,30 +54,31 @@ struct Parametrization<R: Real> {
     dp_dv: Vector3<R>,
 }
 
-impl<R: Real> TrianglePoint<R> {
+/// The weights of the corners at barycentric coordinates of the second and the third.
+#[inline(always)]
+pub(super) fn weights<R: Real>(barycentric: Vector2<R>) -> [R; 3] {
+    let Vector2 { x, y } = barycentric;
+    [-x + 1.0 - y, x, y]
+}
+
+impl<R: Real> Corners<R> {
+    /// The point with the given barycentric coordinates.
     #[inline(always)]
-    pub(super) fn surface(&self) -> TriangleSurface<R> {
-        let [a, b, c] = self.corners;
-        let weights = self.weights();
-        let (point, error) = interpolate(self.corners, weights);
-        let edges = [b - a, c - a];
-        let up = Vector3::new(a.x.zero(), a.x.zero(), a.x.like(1.0));
+    pub(super) fn place(&self, barycentric: Vector2<R>) -> Place<R> {
+        let weights = weights(barycentric);
+        let (point, error) = interpolate(self.positions, weights);
+        let edges = self.edges();
+        let (zero, one) = (point.x.zero(), point.x.like(1.0));
+        let up = Vector3::new(zero, zero, one);
         let normal = edges[0].cross(edges[1]).normalize_or(up) * self.orientation;
-        let Parametrization { uv, regular, dp_du, dp_dv } = self.parametrization(edges);
-        let (dp_du, dp_dv) = if regular.all() {
-            (dp_du, dp_dv)
-        } else {
-            let any = Frame3::from_normal(normal);
-            (Vector3::select(regular, dp_du, any.s), Vector3::select(regular, dp_dv, any.t))
-        };
-        let shading_normal = self.shading_normal(weights, normal);
-        TriangleSurface { point, error, normal, shading_normal, uv, dp_du, dp_dv }
+        Place { point, error, normal, shading_normal: self.shading_normal(weights, normal) }
     }
 
+    /// From the first corner to the others.
     #[inline(always)]
-    fn weights(&self) -> [R; 3] {
-        let Vector2 { x, y } = self.barycentric;
-        [-x + 1.0 - y, x, y]
+    fn edges(&self) -> [Vector3<R>; 2] {
+        let [a, b, c] = self.positions;
+        [b - a, c - a]
     }
 
     #[inline(always)]
@@ -75,6 +89,22 @@ impl<R: Real> TrianglePoint<R> {
         }
         let (unit, exists) = (a * weights[0] + b * weights[1] + c * weights[2]).try_normalize();
         Vector3::select(smooth & exists, unit, normal)
+    }
+}
+
+impl<R: Real> TrianglePoint<R> {
+    #[inline(always)]
+    pub(super) fn surface(&self) -> TriangleSurface<R> {
+        let Place { point, error, normal, shading_normal } = self.corners.place(self.barycentric);
+        let edges = self.corners.edges();
+        let Parametrization { uv, regular, dp_du, dp_dv } = self.parametrization(edges);
+        let (dp_du, dp_dv) = if regular.all() {
+            (dp_du, dp_dv)
+        } else {
+            let any = Frame3::from_normal(normal);
+            (Vector3::select(regular, dp_du, any.s), Vector3::select(regular, dp_dv, any.t))
+        };
+        TriangleSurface { point, error, normal, shading_normal, uv, dp_du, dp_dv }
     }
 
     #[inline(always)]
@@ -105,10 +135,7 @@ impl<R: Real> TrianglePoint<R> {
 /// and its distance to the plane is rounded in proportion to how far they are. Without this a ray
 /// leaving a floor in the plane y = 0, where the first bound vanishes, hits the floor again.
 #[inline(always)]
-pub(super) fn interpolate<R: Real>(
-    [a, b, c]: [Vector3<R>; 3],
-    weights: [R; 3],
-) -> (Vector3<R>, Vector3<R>) {
+fn interpolate<R: Real>([a, b, c]: [Vector3<R>; 3], weights: [R; 3]) -> (Vector3<R>, Vector3<R>) {
     let terms = [a * weights[0], b * weights[1], c * weights[2]];
     let magnitude = terms[0].abs() + terms[1].abs() + terms[2].abs();
     let reach = (b - a).abs().max((c - a).abs()).max_element()
@@ -132,18 +159,54 @@ impl From<TriangleSurface<f32>> for SurfacePoint {
     }
 }
 
+/// The corners of triangles, one for each lane, side by side in memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CornerBlock {
+    positions: [[LaneArray; 3]; 3],
+    normals: [[LaneArray; 3]; 3],
+    orientation: LaneArray,
+    /// A bit for each lane whose corners have normals.
+    smooth: u32,
+}
+
+impl CornerBlock {
+    /// Puts in a lane the corners at these vertices of `mesh`.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, mesh: &Mesh, vertices: [usize; 3]) {
+        for (corner, vertex) in vertices.into_iter().enumerate() {
+            set3(&mut self.positions[corner], lane, mesh.positions[vertex]);
+        }
+        let bit = 1 << lane;
+        self.smooth &= !bit;
+        if !mesh.normals.is_empty() {
+            self.smooth |= bit;
+            for (corner, vertex) in vertices.into_iter().enumerate() {
+                set3(&mut self.normals[corner], lane, mesh.normals[vertex]);
+            }
+        }
+        self.orientation.0[lane] = mesh.orientation;
+    }
+
+    /// The corners, from the lane `first` on.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S, first: usize) -> Corners<Lanes<S>> {
+        let smooth = LaneMask::from_bits(simd, self.smooth >> first);
+        Corners {
+            positions: self.positions.each_ref().map(|corner| Vector3::load(simd, corner, first)),
+            orientation: Lanes::load(simd, &self.orientation, first),
+            normals: (smooth, self.normals.each_ref().map(|n| Vector3::load(simd, n, first))),
+        }
+    }
+}
+
 /// Points of triangles, one for each lane, side by side in memory.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleBlock {
-    corners: [[LaneArray; 3]; 3],
-    normals: [[LaneArray; 3]; 3],
+    corners: CornerBlock,
     uvs: [[LaneArray; 2]; 3],
     barycentric: [LaneArray; 2],
-    orientation: LaneArray,
     /// The directions of the rays that arrive.
     directions: [LaneArray; 3],
-    /// A bit for each lane whose corners have normals.
-    smooth: u32,
     /// A bit for each lane whose corners have surface coordinates.
     mapped: u32,
 }
@@ -160,17 +223,8 @@ impl TriangleBlock {
     #[inline(always)]
     pub fn set(&mut self, lane: usize, mesh: &Mesh, hit: &Hit, direction: Vec3) {
         let vertices = mesh.indices[hit.primitive as usize].map(|vertex| vertex as usize);
-        for (corner, vertex) in vertices.into_iter().enumerate() {
-            set3(&mut self.corners[corner], lane, mesh.positions[vertex]);
-        }
+        self.corners.set(lane, mesh, vertices);
         let bit = 1 << lane;
-        self.smooth &= !bit;
-        if !mesh.normals.is_empty() {
-            self.smooth |= bit;
-            for (corner, vertex) in vertices.into_iter().enumerate() {
-                set3(&mut self.normals[corner], lane, mesh.normals[vertex]);
-            }
-        }
         self.mapped &= !bit;
         if !mesh.uvs.is_empty() {
             self.mapped |= bit;
@@ -181,7 +235,6 @@ impl TriangleBlock {
         }
         let [x, y] = &mut self.barycentric;
         (x.0[lane], y.0[lane]) = (hit.u, hit.v);
-        self.orientation.0[lane] = mesh.orientation;
         set3(&mut self.directions, lane, direction);
     }
 
@@ -189,13 +242,10 @@ impl TriangleBlock {
     #[inline(always)]
     #[must_use]
     pub fn surfaces<S: Simd>(&self, simd: S, first: usize) -> SurfaceLanes<Lanes<S>> {
-        let smooth = LaneMask::from_bits(simd, self.smooth >> first);
         let mapped = LaneMask::from_bits(simd, self.mapped >> first);
         let point = TrianglePoint {
-            corners: self.corners.each_ref().map(|corner| Vector3::load(simd, corner, first)),
+            corners: self.corners.load(simd, first),
             barycentric: Vector2::load(simd, &self.barycentric, first),
-            orientation: Lanes::load(simd, &self.orientation, first),
-            normals: (smooth, self.normals.each_ref().map(|n| Vector3::load(simd, n, first))),
             uvs: (mapped, self.uvs.each_ref().map(|uv| Vector2::load(simd, uv, first))),
         };
         let TriangleSurface { point, error, normal, shading_normal, uv, dp_du, dp_dv } =
