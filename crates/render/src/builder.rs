@@ -8,7 +8,7 @@ mod shapes;
 
 pub use assets::Assets;
 
-use crate::bsdf::Material;
+use crate::bsdf::{CoatTables, Material};
 use crate::emitter::{Emitter, read_sampling_weight};
 use crate::film::FilmSpec;
 use crate::ids::{MaterialId, MediumId, TextureId};
@@ -120,6 +120,8 @@ pub struct Builder<'a> {
     pub textures: Vec<Texture>,
     /// The media so far.
     pub media: Vec<Medium>,
+    /// What the rough coats of materials let through.
+    pub(crate) coats: CoatTables,
     /// How often each emitter is sampled, relative to the others.
     emitter_weights: Vec<f32>,
     options: &'a BuildOptions,
@@ -143,6 +145,7 @@ impl<'a> Builder<'a> {
             materials: Vec::new(),
             textures: Vec::new(),
             media: Vec::new(),
+            coats: CoatTables::default(),
             emitter_weights: Vec::new(),
             options,
             materials_built: HashMap::new(),

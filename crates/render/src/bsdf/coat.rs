@@ -1,20 +1,52 @@
-//! What a rough clear coat lets through, tabulated once per material.
+//! What a rough clear coat lets through, tabulated once for all materials with the same one.
 
 use super::fresnel;
-use super::microfacet::{Distribution, Microfacets, NormalSampling};
-use etendue_math::lanes::{Lanes, MAX_LANES, Real, Simd, TABLE_ENTRIES};
-use glam::{Vec2, Vec3};
+use super::microfacet::{Distribution, Microfacets};
+use etendue_math::lanes::{
+    LaneArray, Lanes, Level, MAX_LANES, Real, Simd, TABLE_ENTRIES, Vector2, Vector3,
+};
+use etendue_math::with_lanes;
+use glam::Vec2;
+use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Entries over the cosine, from 0 to 1.
 const ENTRIES: usize = TABLE_ENTRIES;
+
+// They are computed as many at once as the machine has lanes.
+const _: () = assert!(ENTRIES.is_multiple_of(MAX_LANES));
 
 /// Nodes of the quadrature over the normals, along each of its two variables, from outside.
 const NODES_OUTSIDE: usize = 32;
 
 /// The same from inside, where total reflection puts a kink into the integrand. With these the
-/// table is right to some 1e-4; Beckmann's takes about 20 ms.
+/// table is right to some 1e-4.
 const NODES_INSIDE: usize = 64;
+
+/// A rough interface, the same in all directions along the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coat {
+    /// The distribution of the normals.
+    pub(super) distribution: Distribution,
+    /// The roughness.
+    pub(super) alpha: f32,
+    /// The index inside over that outside.
+    pub(super) eta: f32,
+}
+
+/// The tables of a scene: one for all materials with the same coat, which also lets hits on several of
+/// these materials be looked up together.
+#[derive(Debug, Default)]
+pub(crate) struct CoatTables(HashMap<(Distribution, [u32; 2]), Arc<CoatTable>>);
+
+impl CoatTables {
+    /// The table of a coat.
+    pub(super) fn of(&mut self, coat: Coat) -> Arc<CoatTable> {
+        let key = (coat.distribution, [coat.alpha, coat.eta].map(f32::to_bits));
+        Arc::clone(self.0.entry(key).or_insert_with(|| Arc::new(CoatTable::new(coat))))
+    }
+}
 
 /// The transmission of a rough interface, averaged over all directions on the far side.
 #[derive(Clone, Debug)]
@@ -26,16 +58,36 @@ pub(super) struct CoatTable {
 }
 
 impl CoatTable {
-    /// Tabulates an interface with the index `eta` inside over outside.
-    pub(super) fn new(distribution: Distribution, alpha: f32, eta: f32) -> Self {
-        let microfacets =
-            Microfacets::new(distribution, NormalSampling::Visible, Vec2::splat(alpha));
-        let quadrature = |nodes| Quadrature { microfacets, points: quadrature_points(nodes) };
-        let outside = quadrature(NODES_OUTSIDE);
-        Self {
-            entering: std::array::from_fn(|index| outside.transmitted(cosine(index), eta)),
-            thrown_back: quadrature(NODES_INSIDE).thrown_back(eta),
-        }
+    /// Tabulates an interface.
+    fn new(coat: Coat) -> Self {
+        Self::at_level(Level::new(), coat)
+    }
+
+    /// The same numbers whatever the level.
+    fn at_level(level: Level, coat: Coat) -> Self {
+        let points = [NODES_OUTSIDE, NODES_INSIDE].map(quadrature_points);
+        let points = [points[0].as_slice(), points[1].as_slice()];
+        with_lanes!(level, simd => Self::tabulate(simd, coat, points))
+    }
+
+    /// `points` are those of the quadratures from outside and from inside.
+    #[inline(always)]
+    fn tabulate<S: Simd>(simd: S, coat: Coat, points: [&[(Vec2, f32)]; 2]) -> Self {
+        let [outside, inside] = points;
+        let (eta, inverse) = (Lanes::splat(simd, coat.eta), Lanes::splat(simd, 1.0 / coat.eta));
+        let alpha = Lanes::splat(simd, coat.alpha);
+        let microfacets = Microfacets::isotropic(coat.distribution, alpha);
+        let entering = entries(
+            simd,
+            #[inline(always)]
+            |cosine| Quadrature { microfacets, eta, points: outside }.transmitted(cosine),
+        );
+        let reflected = entries(
+            simd,
+            #[inline(always)]
+            |cosine| Quadrature { microfacets, eta: inverse, points: inside }.reflected(cosine),
+        );
+        Self { entering, thrown_back: mean_over_cosines(&reflected) }
     }
 
     /// One that lets no light through.
@@ -100,54 +152,83 @@ fn cosine(index: usize) -> f32 {
     (index as f32 / (ENTRIES - 1) as f32).max(1e-6)
 }
 
-/// Integrals over the visible normals of an isotropic surface.
-struct Quadrature {
-    microfacets: Microfacets,
-    /// Uniform numbers with their weights, which sum to one.
-    points: Vec<(Vec2, f32)>,
+/// A function of each entry's cosine.
+#[inline(always)]
+fn entries<S: Simd>(simd: S, function: impl Fn(Lanes<S>) -> Lanes<S>) -> [f32; ENTRIES] {
+    let mut table = [0.0; ENTRIES];
+    for (block, values) in table.chunks_exact_mut(MAX_LANES).enumerate() {
+        let cosines = LaneArray(std::array::from_fn(|lane| cosine(block * MAX_LANES + lane)));
+        let mut results = LaneArray::ZERO;
+        for first in (0..MAX_LANES).step_by(Lanes::<S>::COUNT) {
+            function(Lanes::load(simd, &cosines, first)).store(&mut results, first);
+        }
+        values.copy_from_slice(&results.0);
+    }
+    table
 }
 
-impl Quadrature {
-    fn integrate(&self, cosine: f32, integrand: impl Fn(Vec3, Vec3) -> f32) -> f32 {
-        let wi = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
-        let value = |&(uniform, weight): &(Vec2, f32)| {
-            weight * integrand(wi, self.microfacets.sample(wi, uniform).into())
-        };
-        self.points.iter().map(value).sum()
+/// The share of diffuse light that comes back from inside: 2 ∫ R(μ) μ dμ, as Mitsuba sums it.
+/// The mean of the entries is not the trapezoidal rule through them, which would be about 2 %
+/// higher; it is kept, as all its pictures hold it.
+fn mean_over_cosines(reflected: &[f32; ENTRIES]) -> f32 {
+    let at = |(index, share)| cosine(index) * share;
+    2.0 * reflected.iter().enumerate().map(at).sum::<f32>() / ENTRIES as f32
+}
+
+/// Integrals over the visible normals of an isotropic surface.
+struct Quadrature<'a, R> {
+    microfacets: Microfacets<R>,
+    /// The index on the far side over that on the near side.
+    eta: R,
+    /// Uniform numbers with their weights, which sum to one.
+    points: &'a [(Vec2, f32)],
+}
+
+impl<R: Real> Quadrature<'_, R> {
+    #[inline(always)]
+    fn integrate(&self, cosine: R, integrand: impl Fn(Vector3<R>, Vector3<R>) -> R) -> R {
+        let sine = (-(cosine * cosine) + 1.0).safe_sqrt();
+        let wi = Vector3::new(sine, cosine.zero(), cosine);
+        let mut sum = cosine.zero();
+        // Not by an iterator's sum: that is not always inlined, and would lose the instructions.
+        for &(uniform, weight) in self.points {
+            let uniform = Vector2::new(cosine.like(uniform.x), cosine.like(uniform.y));
+            sum = sum + integrand(wi, self.microfacets.sample(wi, uniform)) * weight;
+        }
+        sum
     }
 
     /// The share of light that a second masking does not stop on its way down.
-    fn transmitted(&self, cosine: f32, eta: f32) -> f32 {
-        self.integrate(cosine, |wi, m| {
-            let interface = fresnel::dielectric(wi.dot(m), eta);
-            let wo = fresnel::refract(wi, m, &interface);
-            if wo.z >= 0.0 {
-                return 0.0;
-            }
-            (1.0 - interface.reflectance) * self.masking(wo)
-        })
+    #[inline(always)]
+    fn transmitted(&self, cosine: R) -> R {
+        self.integrate(
+            cosine,
+            #[inline(always)]
+            |wi, m| {
+                let interface = fresnel::dielectric(wi.dot(m), self.eta);
+                let wo = fresnel::refract_lanes(wi, m, &interface);
+                let share = (-interface.reflectance + 1.0) * self.masking(wo);
+                R::select(wo.z.ge(wo.z.zero()), wo.z.zero(), share)
+            },
+        )
     }
 
     /// The same on its way back up.
-    fn reflected(&self, cosine: f32, eta: f32) -> f32 {
-        self.integrate(cosine, |wi, m| {
-            let wo = fresnel::reflect(wi, m);
-            if wo.z <= 0.0 {
-                return 0.0;
-            }
-            fresnel::dielectric(wi.dot(m), eta).reflectance * self.masking(wo)
-        })
+    #[inline(always)]
+    fn reflected(&self, cosine: R) -> R {
+        self.integrate(
+            cosine,
+            #[inline(always)]
+            |wi, m| {
+                let wo = fresnel::reflect_lanes(wi, m);
+                let share = fresnel::dielectric(wi.dot(m), self.eta).reflectance * self.masking(wo);
+                R::select(wo.z.le(wo.z.zero()), wo.z.zero(), share)
+            },
+        )
     }
 
-    /// The share of diffuse light that comes back from inside: 2 ∫ R(μ) μ dμ, as Mitsuba sums it.
-    /// The mean of the entries is not the trapezoidal rule through them, which would be about 2 %
-    /// higher; it is kept, as all its pictures hold it.
-    fn thrown_back(&self, eta: f32) -> f32 {
-        let at = |index| cosine(index) * self.reflected(cosine(index), 1.0 / eta);
-        2.0 * (0..ENTRIES).map(at).sum::<f32>() / ENTRIES as f32
-    }
-
-    fn masking(&self, wo: Vec3) -> f32 {
+    #[inline(always)]
+    fn masking(&self, wo: Vector3<R>) -> R {
         self.microfacets.masking_over_cosine(wo) * wo.z.abs()
     }
 }
@@ -195,6 +276,50 @@ fn legendre(degree: usize, x: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use etendue_math::lanes::baseline;
+
+    fn table(distribution: Distribution, alpha: f32, eta: f32) -> CoatTable {
+        CoatTable::new(Coat { distribution, alpha, eta })
+    }
+
+    /// As the tables do it, with other numbers of nodes and for one cosine after another.
+    fn quadrature(
+        distribution: Distribution,
+        eta: f32,
+        points: &[(Vec2, f32)],
+    ) -> Quadrature<'_, f32> {
+        Quadrature { microfacets: Microfacets::isotropic(distribution, 0.3), eta, points }
+    }
+
+    fn thrown_back(distribution: Distribution, nodes: usize) -> f32 {
+        let points = quadrature_points(nodes);
+        let inside = quadrature(distribution, 1.0 / 1.5, &points);
+        mean_over_cosines(&std::array::from_fn(|index| inside.reflected(cosine(index))))
+    }
+
+    #[test]
+    fn materials_with_the_same_coat_share_its_table() {
+        let mut tables = CoatTables::default();
+        let mut of = |distribution, eta| tables.of(Coat { distribution, alpha: 0.3, eta });
+        let table = of(Distribution::Ggx, 1.5);
+        let others = [of(Distribution::Ggx, 1.6), of(Distribution::Beckmann, 1.5)];
+        assert!(Arc::ptr_eq(&table, &of(Distribution::Ggx, 1.5)));
+        assert!(others.iter().all(|other| other.thrown_back != table.thrown_back));
+    }
+
+    #[test]
+    fn lanes_tabulate_what_single_numbers_do() {
+        for distribution in [Distribution::Beckmann, Distribution::Ggx] {
+            let points = quadrature_points(NODES_OUTSIDE);
+            let outside = quadrature(distribution, 1.5, &points);
+            let entering = std::array::from_fn(|index| outside.transmitted(cosine(index)));
+            for level in [baseline(), Level::new()] {
+                let table = CoatTable::at_level(level, Coat { distribution, alpha: 0.3, eta: 1.5 });
+                assert_eq!(table.entering, entering, "{distribution:?}, {level:?}");
+                assert_eq!(table.thrown_back, thrown_back(distribution, NODES_INSIDE));
+            }
+        }
+    }
 
     #[test]
     fn the_quadrature_integrates_polynomials() {
@@ -211,7 +336,7 @@ mod tests {
     fn a_nearly_smooth_coat_lets_through_what_fresnel_says() {
         let eta = 1.5;
         for distribution in [Distribution::Beckmann, Distribution::Ggx] {
-            let table = CoatTable::new(distribution, 1e-3, eta);
+            let table = table(distribution, 1e-3, eta);
             for index in [20, 40, 63] {
                 let cosine = index as f32 / 63.0;
                 let expected = 1.0 - fresnel::dielectric(cosine, eta).reflectance;
@@ -225,7 +350,7 @@ mod tests {
 
     #[test]
     fn the_table_is_linear_between_its_entries_and_holds_its_ends() {
-        let table = CoatTable::new(Distribution::Ggx, 0.3, 1.5);
+        let table = table(Distribution::Ggx, 0.3, 1.5);
         assert_eq!(table.entering(1.0), table.entering[63]);
         assert_eq!(table.entering(0.0), table.entering[0]);
         let middle = 0.5 * (table.entering[10] + table.entering[11]);
@@ -236,16 +361,14 @@ mod tests {
     #[test]
     fn twice_the_nodes_change_little() {
         for distribution in [Distribution::Beckmann, Distribution::Ggx] {
-            let microfacets =
-                Microfacets::new(distribution, NormalSampling::Visible, Vec2::splat(0.3));
-            let quadrature = |nodes| Quadrature { microfacets, points: quadrature_points(nodes) };
             for cosine in [0.02, 0.2, 0.7, 1.0] {
-                let outside = [NODES_OUTSIDE, 2 * NODES_OUTSIDE]
-                    .map(|nodes| quadrature(nodes).transmitted(cosine, 1.5));
+                let outside = [NODES_OUTSIDE, 2 * NODES_OUTSIDE].map(|nodes| {
+                    quadrature(distribution, 1.5, &quadrature_points(nodes)).transmitted(cosine)
+                });
                 assert!((outside[0] - outside[1]).abs() < 3e-4, "{outside:?}");
             }
             let inside =
-                [NODES_INSIDE, 2 * NODES_INSIDE].map(|nodes| quadrature(nodes).thrown_back(1.5));
+                [NODES_INSIDE, 2 * NODES_INSIDE].map(|nodes| thrown_back(distribution, nodes));
             assert!((inside[0] - inside[1]).abs() < 3e-4, "{inside:?}");
         }
     }

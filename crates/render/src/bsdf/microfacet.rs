@@ -22,7 +22,7 @@ const MAX_ALPHA: f32 = 1e4;
 const NEGLIGIBLE_DENSITY: f32 = 1e-20;
 
 /// The shape of a distribution of microfacet normals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Distribution {
     /// Gaussian slopes (Beckmann and Spizzichino, 1963).
     Beckmann,
@@ -86,6 +86,13 @@ impl Microfacets {
 }
 
 impl<R: Real> Microfacets<R> {
+    /// The same roughness in all directions along the surface, and visible normals.
+    #[inline(always)]
+    pub(super) fn isotropic(distribution: Distribution, alpha: R) -> Self {
+        let (alpha, sampling) = (Vector2::new(alpha, alpha), NormalSampling::Visible);
+        Self { alpha, distribution, sampling }.limited()
+    }
+
     /// The distribution with its roughness multiplied by `factor`.
     #[inline(always)]
     #[must_use]

@@ -51,6 +51,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use coat::CoatTables;
 pub use lanes::{ClosureLanes, LaneKind, LaneMaterial, SampleLanes};
 pub use prepared::{Bsdf, Gather, Material, Materials, Placement};
 

@@ -1,6 +1,6 @@
 //! `roughplastic`: a rough clear coat over a matt base.
 
-use super::coat::{CoatTable, Coats};
+use super::coat::{Coat, CoatTable, Coats};
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::EXT_IOR;
 use super::inputs::{
@@ -21,6 +21,7 @@ use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_sampling::warp::cosine_hemisphere;
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -51,7 +52,7 @@ pub struct RoughPlastic {
     eta: f32,
     shift: ColorShift,
     microfacets: Microfacets,
-    table: Box<CoatTable>,
+    table: Arc<CoatTable>,
 }
 
 /// Reads the parameters.
@@ -69,7 +70,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<R
         eta,
         shift,
         microfacets: Microfacets::new(distribution, sampling, Vec2::splat(alpha)),
-        table: Box::new(CoatTable::new(distribution, alpha, eta)),
+        table: builder.coats.of(Coat { distribution, alpha, eta }),
     })
 }
 
