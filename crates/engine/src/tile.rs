@@ -200,7 +200,7 @@ impl Tile {
 
 /// How many samples are asked for at once: enough for the source to find many alike among them, few
 /// enough that what it keeps of them stays in the nearest caches.
-const BATCH_SIZE: usize = 256;
+const BATCH_SIZE: usize = 512;
 
 /// Samples that are taken together.
 struct Batch {

@@ -183,8 +183,11 @@ impl<'a> Wave<'a> {
                 continue;
             };
             if !is_last && let Some((kind, material)) = scene.lane_kind(hit) {
-                let arrival = Arrival { path: index, ray: ray_index, hit: *hit, material };
-                self.arrivals[kind.index()].push(arrival);
+                let arrivals = &mut self.arrivals[kind.index()];
+                if arrivals.is_empty() {
+                    arrivals.reserve(self.hits.len());
+                }
+                arrivals.push(Arrival { path: index, ray: ray_index, hit: *hit, material });
                 if depth == 0 {
                     path.alpha = 1.0;
                 }
@@ -320,6 +323,9 @@ impl<'a> Wave<'a> {
     }
 
     /// Keeps the promises of light that nothing stands between.
+    ///
+    /// Tried and lost: bringing the rays to the same light together, so that the tree takes more of
+    /// them in packets. It gained 4 % where three lights shine, as much as the sorting cost.
     fn gather(&mut self) {
         self.occluded.clear();
         self.scene.occluded_many(&self.shadow_rays, &mut self.occluded);
