@@ -27,4 +27,6 @@ pub use distribution::{
     AliasSample, AliasTable, BilinearDistribution2D, Distribution1D, Distribution2D, FilterSample,
     TabulatedFilter, WeightError,
 };
-pub use stream::{NumberBlock, SampleStream, SamplerKind, SamplerSpec, draw_points, draw_vertices};
+pub use stream::{
+    NumberBlock, PixelSampler, SampleStream, SamplerKind, SamplerSpec, draw_points, draw_vertices,
+};

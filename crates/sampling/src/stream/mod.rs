@@ -108,23 +108,47 @@ impl SamplerSpec {
     #[inline]
     #[must_use]
     pub fn start(&self, pixel: UVec2, sample_index: u32) -> SampleStream {
+        self.pixel(pixel).start(sample_index)
+    }
+
+    /// What the random numbers of all samples of a pixel have in common.
+    #[inline]
+    #[must_use]
+    pub fn pixel(&self, pixel: UVec2) -> PixelSampler {
         let place = u64::from(pixel.x) | u64::from(pixel.y) << 32;
-        let pixel_seed = mix64(mix64(self.seed.wrapping_add(GOLDEN)).wrapping_add(place));
-        let (set, index) = match self.kind {
+        let seed = mix64(mix64(self.seed.wrapping_add(GOLDEN)).wrapping_add(place));
+        PixelSampler { spec: *self, seed, first_set_seed: mix64(seed) }
+    }
+}
+
+/// The random numbers of one pixel; made by [`SamplerSpec::pixel`].
+#[derive(Clone, Copy, Debug)]
+pub struct PixelSampler {
+    spec: SamplerSpec,
+    /// A hash of seed and pixel.
+    seed: u64,
+    /// A hash of that and the first set.
+    first_set_seed: u64,
+}
+
+impl PixelSampler {
+    /// The random numbers of sample `sample_index`, from dimension 0 on.
+    #[inline]
+    #[must_use]
+    pub fn start(&self, sample_index: u32) -> SampleStream {
+        let SamplerSpec { kind, sets, .. } = self.spec;
+        let (set, index) = match kind {
             SamplerKind::Independent | SamplerKind::Halton => (0, sample_index),
             // Every use of the index starts from its reversed bits.
             SamplerKind::Sobol => (0, sample_index.reverse_bits()),
-            _ => (sample_index / self.sets.count, sample_index % self.sets.count),
+            _ => (sample_index / sets.count, sample_index % sets.count),
         };
-        let set_seed = mix64(pixel_seed ^ u64::from(set).wrapping_mul(GOLDEN));
-        SampleStream {
-            kind: self.kind,
-            dimension: 0,
-            index,
-            sets: self.sets,
-            set_seed,
-            sample_seed: mix64((!set_seed).wrapping_add(u64::from(index).wrapping_mul(GOLDEN))),
-        }
+        let set_seed = match set {
+            0 => self.first_set_seed,
+            _ => mix64(self.seed ^ u64::from(set).wrapping_mul(GOLDEN)),
+        };
+        let sample_seed = mix64((!set_seed).wrapping_add(u64::from(index).wrapping_mul(GOLDEN)));
+        SampleStream { kind, dimension: 0, index, sets, set_seed, sample_seed }
     }
 }
 
