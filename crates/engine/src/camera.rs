@@ -72,29 +72,15 @@ impl SampleSource for Camera<'_> {
 
     fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
         layers.fill(0.0);
-        let mut stream = self.sampler.start(UVec2::new(id.x, id.y), id.index);
-        let place = stream.next_2d();
-        let (CameraRay { start, mut stream }, response) = self.start(id, stream, place);
-        let radiance = self.integrator.sample(self.scene, &start, &mut stream, layers);
-        response.to(&radiance)
+        let (mut rays, responses) = self.start(&[id]);
+        let CameraRay { start, stream } = &mut rays[0];
+        let radiance = self.integrator.sample(self.scene, start, stream, layers);
+        responses[0].to(&radiance)
     }
 
     fn sample_batch(&self, ids: &[SampleId], layers: &mut [f32], samples: &mut Vec<Sample>) {
         layers.fill(0.0);
-        let mut streams = self.streams(ids);
-        let mut places = Vec::with_capacity(ids.len());
-        with_lanes!(self.scene.level(), simd => draw_points(simd, &mut streams, &mut places));
-        // Collected, not pushed one by one: what is pushed is put together on the stack first, in
-        // pieces of four bytes that cannot be read back at once, 2 % of a simple scene's time.
-        let mut responses = vec![Response::default(); ids.len()];
-        let samples_to_be = ids.iter().zip(&streams).zip(&places).zip(&mut responses);
-        let mut rays: Vec<CameraRay> = samples_to_be
-            .map(|(((&id, &stream), &place), response)| {
-                let (ray, its_response) = self.start(id, stream, place);
-                *response = its_response;
-                ray
-            })
-            .collect();
+        let (mut rays, responses) = self.start(ids);
         let mut radiance = Vec::with_capacity(ids.len());
         self.integrator.sample_batch(self.scene, &mut rays, layers, &mut radiance);
         samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
@@ -140,29 +126,56 @@ impl Camera<'_> {
         streams
     }
 
-    /// The ray that a sample starts with, and how the camera responds to what arrives along it.
-    /// `place` has been drawn from the stream, for the place within the reconstruction filter.
-    #[inline(always)]
-    fn start(&self, id: SampleId, mut stream: SampleStream, place: Vec2) -> (CameraRay, Response) {
-        let pixel = UVec2::new(id.x, id.y);
-        let (offset, weight) = self.setup.film.filter.sample(place);
-        let film_position = (pixel.as_vec2() + 0.5 + offset) * self.pixel_size;
-        // The numbers for the lens are passed over where there is none: drawing them costs, and what
-        // follows must not depend on it.
-        let aperture = if self.setup.sensor.has_lens() {
-            stream.next_2d()
-        } else {
+    /// The rays that samples start with, and how the camera responds to what arrives along them.
+    fn start(&self, ids: &[SampleId]) -> (Vec<CameraRay>, Vec<Response>) {
+        let level = self.scene.level();
+        let mut streams = self.streams(ids);
+        let mut points = Vec::with_capacity(ids.len());
+        with_lanes!(level, simd => draw_points(simd, &mut streams, &mut points));
+        let filter = &self.setup.film.filter;
+        let mut filter_weights = Vec::with_capacity(ids.len());
+        for (id, point) in ids.iter().zip(&mut points) {
+            let (offset, weight) = filter.sample(*point);
+            *point = (UVec2::new(id.x, id.y).as_vec2() + 0.5 + offset) * self.pixel_size;
+            filter_weights.push(weight);
+        }
+        let film_positions = points;
+        let apertures = self.draw_apertures(&mut streams);
+        let mut sensor_rays = Vec::with_capacity(ids.len());
+        let places = (film_positions.as_slice(), apertures.as_slice());
+        self.setup.sensor.sample_rays(level, places, &mut sensor_rays);
+        let medium = self.setup.medium;
+        let rays = sensor_rays
+            .iter()
+            .zip(streams)
+            .map(|(sensor, stream)| CameraRay { start: Start { ray: sensor.ray, medium }, stream })
+            .collect();
+        let responses = sensor_rays
+            .iter()
+            .zip(filter_weights)
+            .map(|(sensor, filter)| Response { sensor: sensor.weight, filter })
+            .collect();
+        (rays, responses)
+    }
+
+    /// The points of the aperture. The numbers for the lens are passed over where there is none:
+    /// drawing them costs, and what follows must not depend on it.
+    fn draw_apertures(&self, streams: &mut [SampleStream]) -> Vec<Vec2> {
+        let mut apertures = Vec::with_capacity(streams.len());
+        if self.setup.sensor.has_lens() {
+            with_lanes!(self.scene.level(), simd => draw_points(simd, streams, &mut apertures));
+            return apertures;
+        }
+        for stream in streams.iter_mut() {
             stream.set_dimension(stream.dimension().wrapping_add(2));
-            Vec2::ZERO
-        };
-        let sensor = self.setup.sensor.sample_ray(film_position, aperture);
-        let start = Start { ray: sensor.ray, medium: self.setup.medium };
-        (CameraRay { start, stream }, Response { sensor: sensor.weight, filter: weight })
+        }
+        apertures.resize(streams.len(), Vec2::ZERO);
+        apertures
     }
 }
 
 /// What becomes of the radiance that arrives along a camera ray.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Response {
     /// The sensor's response.
     sensor: f32,

@@ -64,6 +64,13 @@ impl<R: Real> Vector3<R> {
         Self { x, y, z }
     }
 
+    /// The same vector in as many lanes as `number` has.
+    #[inline(always)]
+    #[must_use]
+    pub fn like(number: R, vector: Vec3) -> Self {
+        Self { x: number.like(vector.x), y: number.like(vector.y), z: number.like(vector.z) }
+    }
+
     /// A function of each coordinate.
     #[inline(always)]
     #[must_use]

@@ -25,7 +25,8 @@ use crate::builder::read_transform;
 use crate::film::FilmSpec;
 use crate::manual::{ParameterManual, parameter};
 use etendue_document::{Fault, Parameters};
-use etendue_math::{Bounds3, Ray, Transform};
+use etendue_math::lanes::Level;
+use etendue_math::{Bounds3, Ray, Transform, with_lanes};
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec2, Vec3};
 
 /// A sensor of the scene.
@@ -106,6 +107,24 @@ impl Sensor {
             _ => return self.sample_other(film_position, aperture),
         };
         SensorRay { ray, weight: 1.0 }
+    }
+
+    /// Appends [`Self::sample_ray`] of each film position with the point of the aperture beside it.
+    /// `level` says with which instructions.
+    pub fn sample_rays(
+        &self,
+        level: Level,
+        (film_positions, apertures): (&[Vec2], &[Vec2]),
+        sensor_rays: &mut Vec<SensorRay>,
+    ) {
+        if let Self::Perspective(sensor) = self {
+            let mut rays = Vec::with_capacity(film_positions.len());
+            with_lanes!(level, simd => sensor.rays(simd, film_positions, &mut rays));
+            sensor_rays.extend(rays.into_iter().map(|ray| SensorRay { ray, weight: 1.0 }));
+            return;
+        }
+        let places = film_positions.iter().zip(apertures);
+        sensor_rays.extend(places.map(|(&place, &aperture)| self.sample_ray(place, aperture)));
     }
 
     /// [`Self::sample_ray`] of sensors that are no cameras.

@@ -10,7 +10,8 @@ use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
-use etendue_math::Ray;
+use etendue_math::lanes::{Lanes, Real, Simd, Vector2, Vector3};
+use etendue_math::{Ray, RayLanes};
 use glam::{DMat4, DVec2, Vec2, Vec3};
 
 /// The manual page.
@@ -91,13 +92,36 @@ impl Perspective {
 
     #[inline]
     pub(super) fn ray(&self, film_position: Vec2) -> Ray {
-        let direction = self.plane.direction(film_position);
+        self.ray_lanes::<f32>(film_position.into()).into()
+    }
+
+    /// As [`Self::ray`], over any [`Real`].
+    #[inline(always)]
+    fn ray_lanes<R: Real>(&self, film_position: Vector2<R>) -> RayLanes<R> {
+        let direction = self.plane.direction_lanes(film_position);
         let length = direction.length();
-        Ray::segment(
-            self.origin + direction * self.plane.near,
-            direction / length,
-            self.plane.length * length,
-        )
+        let near = length.like(self.plane.near);
+        RayLanes {
+            origin: Vector3::like(length, self.origin) + direction * near,
+            direction: direction.map(
+                #[inline(always)]
+                |coordinate| coordinate / length,
+            ),
+            t_max: length * self.plane.length,
+        }
+    }
+
+    /// Appends [`Self::ray`] of each film position.
+    #[inline(always)]
+    pub(super) fn rays<S: Simd>(&self, simd: S, film_positions: &[Vec2], rays: &mut Vec<Ray>) {
+        for positions in film_positions.chunks(Lanes::<S>::COUNT) {
+            let coordinate = |axis: usize| {
+                let at = |lane: usize| positions[lane.min(positions.len() - 1)][axis];
+                Lanes::from_fn(simd, at)
+            };
+            let lanes = self.ray_lanes(Vector2::new(coordinate(0), coordinate(1)));
+            rays.extend((0..positions.len()).map(|lane| lanes.lane(lane)));
+        }
     }
 
     /// The reverse of [`Self::ray`].

@@ -1,6 +1,7 @@
 //! The image in front of a pinhole, in world space.
 
 use super::SensorCommon;
+use etendue_math::lanes::{Real, Vector2, Vector3};
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 
 /// How a pinhole camera sees: what the film covers at distance one.
@@ -64,6 +65,15 @@ impl ImagePlane {
     /// The world direction of a film position, of length one along the view.
     #[inline]
     pub(super) fn direction(&self, film_position: Vec2) -> Vec3 {
-        self.corner + self.across * film_position.x + self.down * film_position.y
+        self.direction_lanes::<f32>(film_position.into()).into()
+    }
+
+    /// As [`Self::direction`], over any [`Real`].
+    #[inline(always)]
+    pub(super) fn direction_lanes<R: Real>(&self, film_position: Vector2<R>) -> Vector3<R> {
+        let Vector2 { x, y } = film_position;
+        Vector3::like(x, self.corner)
+            + Vector3::like(x, self.across) * x
+            + Vector3::like(y, self.down) * y
     }
 }
