@@ -350,6 +350,13 @@ impl Scene {
         Textures(&self.textures)
     }
 
+    /// How many emitters there are.
+    #[inline]
+    #[must_use]
+    pub fn emitter_count(&self) -> usize {
+        self.emitters.len()
+    }
+
     /// An emitter.
     #[inline]
     #[must_use]

@@ -1,7 +1,7 @@
 //! Vertices that are shaded together, one to a lane.
 
 use super::Path;
-use super::wave::{State, roulette};
+use super::wave::{Promise, State, roulette};
 use crate::light::{Origin, power_heuristic};
 use etendue_math::lanes::{
     LaneArray, LaneMask, Lanes, Level, MAX_LANES, Mask, Real, Simd, Vector2,
@@ -263,8 +263,8 @@ impl<'a> Block<'a> {
         next.straight |= straight.bits() << first;
     }
 
-    /// The light that was proposed: for which path, how much, and what must be free.
-    pub(super) fn promised(&self) -> impl Iterator<Item = (usize, Spectrum, Ray)> + '_ {
+    /// The light that was proposed, the random numbers that chose it, and the rays that must be free.
+    pub(super) fn promised(&self) -> impl Iterator<Item = (Promise, f32, Ray)> + '_ {
         let promises = &self.promises;
         places(promises.places).map(|place| {
             let ray = Ray::segment(
@@ -272,7 +272,8 @@ impl<'a> Block<'a> {
                 vector(&promises.direction, place),
                 promises.t_max.0[place],
             );
-            (self.paths[place], spectrum(&promises.radiance, place), ray)
+            let radiance = spectrum(&promises.radiance, place);
+            (Promise { path: self.paths[place], radiance }, self.numbers.light[0].0[place], ray)
         })
     }
 
