@@ -1,13 +1,12 @@
 //! Paths that travel together, one to a SIMD lane, against the same paths alone: every bit.
 
-use etendue_bvh::Tier;
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{
     CameraRay, Integrator, IntegratorOptions, Radiance, Start, build_integrator,
 };
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, load_str};
-use etendue_render::{BuildOptions, Scene, build_scene};
+use etendue_render::{BuildOptions, Scene, Tier, build_scene};
 use etendue_sampling::{SamplerKind, SamplerSpec};
 use glam::{UVec2, Vec3};
 

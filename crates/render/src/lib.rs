@@ -27,7 +27,7 @@ pub mod shape;
 pub mod texture;
 pub mod volume;
 
-pub use etendue_bvh::Hit;
+pub use etendue_bvh::{Hit, Tier};
 
 pub use builder::{Assets, BuildOptions, Builder, GatheredScene, build_scene, gather_scene};
 pub use ids::{EmitterId, GroupId, InstanceId, MaterialId, MediumId, ShapeId, TextureId};
