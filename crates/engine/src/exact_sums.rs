@@ -37,6 +37,8 @@
 //! between 2^−16 and 2^16, as light mostly does, and never more than 2^−32 of that greatest value.
 //! A sum takes 18 bytes, a value some twenty machine instructions.
 
+use fearless_simd::{Simd, f64x4, i64x4, prelude::*, u64x4};
+
 /// Many sums, each in the arithmetic that the head of the file describes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExactSums {
@@ -197,6 +199,44 @@ impl SumsMut<'_> {
     }
 }
 
+impl SumsMut<'_> {
+    /// As [`Self::add`] for four values, side by side in registers: the compiler leaves them one by one.
+    #[inline(always)]
+    pub(crate) fn add_four<S: Simd>(&mut self, simd: S, first: usize, values: [f64; 4]) {
+        let limits = &mut self.limits[first..first + 4];
+        let digits = &mut self.digits[first..first + 4];
+        let numbers = f64x4::from_slice(simd, &values);
+        let exponents = (numbers.bitcast::<u64x4<S>>() >> 52) & 0x7ff;
+        let wide = |limits: &[u16]| {
+            let limits = [limits[0], limits[1], limits[2], limits[3]].map(u64::from);
+            u64x4::from_slice(simd, &limits)
+        };
+        if exponents.simd_ge(wide(limits)).any_true() {
+            for (value, (limit, digits)) in values.iter().zip(limits.iter_mut().zip(&mut *digits)) {
+                raise(limit, digits, exponent_field(*value));
+            }
+        }
+        let one_over_high =
+            u64x4::splat(simd, u64::from(2 * BIAS + (DIGIT_BITS - 1))) - wide(limits);
+        let scaled = numbers * (one_over_high << 52).bitcast::<f64x4<S>>();
+        let (high, rounded) = round_four(scaled);
+        let (low, _) = round_four((scaled - rounded) * UNIT_RATIO);
+        let sums = digits.as_flattened_mut();
+        for (half, added) in [high.zip_low(low), high.zip_high(low)].into_iter().enumerate() {
+            let sums = &mut sums[4 * half..4 * half + 4];
+            (i64x4::from_slice(simd, sums) + added).store_slice(sums);
+        }
+    }
+}
+
+/// As [`round`], four times.
+#[inline(always)]
+fn round_four<S: Simd>(values: f64x4<S>) -> (i64x4<S>, f64x4<S>) {
+    let shifted = values + ROUNDER;
+    let integers = shifted.bitcast::<i64x4<S>>() - ROUNDER.to_bits().cast_signed();
+    (integers, shifted - ROUNDER)
+}
+
 /// Adds a value to a sum whose window it fits.
 #[inline(always)]
 fn add(limit: u16, digits: &mut Digits, value: f64) {
@@ -253,6 +293,8 @@ fn power_of_two(exponent_field: u16) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use etendue_math::lanes::{Level, baseline};
+    use etendue_math::with_lanes;
     use proptest::prelude::*;
 
     use super::*;
@@ -328,6 +370,22 @@ mod tests {
         // Of the numbers from 1/5000 to 1, none has bits below 2^−36: all fit 2^−47.
         let exact: f64 = values.iter().sum();
         assert_eq!(sum(&values).value(0), exact);
+    }
+
+    proptest! {
+        #[test]
+        fn four_side_by_side_are_four_one_by_one(
+            values in prop::collection::vec([value(), value(), value(), value()], 1..20),
+        ) {
+            for level in [baseline(), Level::new()] {
+                let (mut together, mut alone) = (ExactSums::new(6), ExactSums::new(6));
+                for &values in &values {
+                    with_lanes!(level, simd => together.slice_mut(1, 5).add_four(simd, 0, values));
+                    alone.slice_mut(1, 5).add(0, values);
+                }
+                prop_assert_eq!(&together, &alone);
+            }
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::region::Region;
 use crate::source::{Sample, SampleSource};
 use crate::splats::Splats;
 use crate::statistics::{Defect, Defects};
-use etendue_math::lanes::Level;
+use etendue_math::lanes::{Level, Simd};
 use etendue_math::with_lanes;
 
 /// Red, green, blue and alpha; the extra layers follow.
@@ -163,25 +163,25 @@ impl Tile {
         let layer_count = batch.layer_count;
         batch.layers.resize(batch.ids.len() * layer_count, 0.0);
         source.sample_batch(&batch.ids, &mut batch.layers, &mut batch.samples);
-        with_lanes!(Level::new(), _simd => self.add_batch(batch));
+        with_lanes!(Level::new(), simd => self.add_batch(simd, batch));
     }
 
     /// Adds the samples of a batch to their pixels, and empties the batch.
     #[inline(always)]
-    fn add_batch(&mut self, batch: &mut Batch) {
+    fn add_batch<V: Simd>(&mut self, simd: V, batch: &mut Batch) {
         let layer_count = batch.layer_count;
         // By reference: taken out one by one, ids of twelve bytes would be read back in pieces that
         // the processor cannot forward, half of the time that sums take.
         for (place, (id, sample)) in batch.ids.iter().zip(&batch.samples).enumerate() {
             let layers = &batch.layers[place * layer_count..(place + 1) * layer_count];
-            self.add(*id, sample, layers);
+            self.add(simd, *id, sample, layers);
         }
         batch.ids.clear();
         batch.samples.clear();
     }
 
     #[inline(always)]
-    fn add(&mut self, id: SampleId, sample: &Sample, layers: &[f32]) {
+    fn add<V: Simd>(&mut self, simd: V, id: SampleId, sample: &Sample, layers: &[f32]) {
         if let Some(defect) = find_defect(sample, layers) {
             self.defects.add(defect, id);
             return;
@@ -190,7 +190,7 @@ impl Tile {
         let pixel = row * self.region.width as usize + (id.x - self.region.x) as usize;
         self.counts[pixel] += 1;
         let place = pixel * self.channel_count;
-        add(&mut self.sums.slice_mut(place, self.channel_count), sample, layers);
+        add(simd, &mut self.sums.slice_mut(place, self.channel_count), sample, layers);
         if !self.squares.is_empty() {
             let place = pixel * SQUARED_CHANNELS;
             add_squares(&mut self.squares.slice_mut(place, SQUARED_CHANNELS), sample);
@@ -237,11 +237,11 @@ fn find_defect(sample: &Sample, layers: &[f32]) -> Option<Defect> {
 }
 
 #[inline(always)]
-fn add(sums: &mut SumsMut<'_>, sample: &Sample, layers: &[f32]) {
+fn add<V: Simd>(simd: V, sums: &mut SumsMut<'_>, sample: &Sample, layers: &[f32]) {
     let weight = f64::from(sample.weight);
     let [red, green, blue] = sample.color.rgb();
     let values: [f32; COLOR_CHANNELS] = [red, green, blue, sample.alpha];
-    sums.add(0, values.map(|value| weight * f64::from(value)));
+    sums.add_four(simd, 0, values.map(|value| weight * f64::from(value)));
     for (layer, &value) in layers.iter().enumerate() {
         sums.add(COLOR_CHANNELS + layer, [weight * f64::from(value)]);
     }
