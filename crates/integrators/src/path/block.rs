@@ -20,13 +20,13 @@ pub(super) struct Block<'a> {
     /// Which of the wave's paths stand at the vertices.
     pub(super) paths: [usize; MAX_LANES],
     /// How many of the places are taken, from the first on.
-    pub(super) count: usize,
+    count: usize,
     /// What kind of materials the vertices have.
     kind: LaneKind,
     pub(super) triangles: TriangleBlock,
     pub(super) surfaces: SurfaceBlock,
-    pub(super) closures: ClosureLanes<'a>,
-    pub(super) numbers: NumberBlock,
+    closures: ClosureLanes<'a>,
+    numbers: NumberBlock,
     /// What of the light found from here on arrives at the camera; then of that found after the next.
     throughput: [LaneArray; Spectrum::LANES],
     /// The index of refraction relative to the camera's, likewise.

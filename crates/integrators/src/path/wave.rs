@@ -214,7 +214,7 @@ impl<'a> Wave<'a> {
         }
     }
 
-    /// Makes room for the rays that go on and those that look for light.
+    /// Keeps the rays that have arrived, and makes room for those that go on.
     fn leave(&mut self) {
         std::mem::swap(&mut self.rays, &mut self.arriving);
         self.rays.clear();
