@@ -99,9 +99,36 @@ pub(super) struct Wide {
     block_ranges: Vec<(u32, u32)>,
 }
 
+/// The binary nodes that become the children of a wide one; in place, as there are so many.
+#[derive(Default)]
+struct Children {
+    places: [usize; WIDTH],
+    count: usize,
+}
+
+impl Children {
+    fn push(&mut self, place: usize) {
+        self.places[self.count] = place;
+        self.count += 1;
+    }
+
+    fn as_slice(&self) -> &[usize] {
+        &self.places[..self.count]
+    }
+
+    fn as_mut_slice(&mut self) -> &mut [usize] {
+        &mut self.places[..self.count]
+    }
+}
+
 /// Converts the tree.
 pub(super) fn collapse(tree: &[BinaryNode], references: &[Reference]) -> Wide {
-    let mut wide = Wide::default();
+    // Room for more than there will be: what is not used is never touched, and costs nothing.
+    let mut wide = Wide {
+        nodes: vector_with_capacity(tree.len() / 4 + 1),
+        block_ranges: Vec::with_capacity(tree.len() / 2 + 1),
+        ..Wide::default()
+    };
     if let Some(root) = tree.first() {
         if is_leaf(root) {
             wide.nodes.push(Node::EMPTY);
@@ -113,9 +140,6 @@ pub(super) fn collapse(tree: &[BinaryNode], references: &[Reference]) -> Wide {
     } else {
         wide.nodes.push(Node::EMPTY);
     }
-    let mut nodes = vector_with_capacity(wide.nodes.len());
-    nodes.append(&mut wide.nodes);
-    wide.nodes = nodes;
     wide
 }
 
@@ -129,21 +153,23 @@ impl Wide {
     fn add_node(&mut self, tree: &[BinaryNode], binary: usize, references: &[Reference]) -> Child {
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
-        let mut children = Vec::with_capacity(WIDTH);
+        let mut children = Children::default();
         distribute(tree, binary, WIDTH, &mut children);
         // Where areas overflow or vanish no plan is better than none, and the node would be its own
         // child.
-        if children == [binary] {
-            children = vec![binary + 1, binary + tree[binary].right as usize];
+        if children.as_slice() == [binary] {
+            children = Children::default();
+            children.push(binary + 1);
+            children.push(binary + tree[binary].right as usize);
         }
         // A ray that any hit will do for takes the last first: blocks, which end it soonest, and of
         // them the largest. Segments then visit a sixth fewer nodes than in no order; by area alone,
         // or with the smallest last, they visit more.
-        children.sort_by_cached_key(|&child| {
+        children.as_mut_slice().sort_by_key(|&child| {
             let node = &tree[child];
             (is_leaf(node), node.bounds().half_area().to_bits())
         });
-        for (slot, &child) in children.iter().enumerate() {
+        for (slot, &child) in children.as_slice().iter().enumerate() {
             let node = &tree[child];
             let word = if is_leaf(node) {
                 self.add_leaf(node, references)
@@ -194,7 +220,7 @@ impl Wide {
 }
 
 /// Gathers the subtrees that become at most `children` children.
-fn distribute(tree: &[BinaryNode], binary: usize, children: usize, into: &mut Vec<usize>) {
+fn distribute(tree: &[BinaryNode], binary: usize, children: usize, into: &mut Children) {
     let node = &tree[binary];
     let mut children = children;
     while children > 1 && node.plan.left_share(children) == 0 {

@@ -11,6 +11,7 @@ use super::collapse::Costs;
 use super::extent::{Box4, Extent};
 use super::reference::Reference;
 use super::{MAX_TOP_DEPTH, reinsert};
+use crate::memory::vector_with_capacity;
 use crate::node::WIDTH;
 use crate::options::BuildOptions;
 use rayon::prelude::*;
@@ -71,9 +72,8 @@ pub(super) fn build(
     references: &mut [Reference],
     options: &BuildOptions,
 ) -> (Vec<BinaryNode>, f32) {
-    let mut tree = Vec::new();
     if references.is_empty() {
-        return (tree, 0.0);
+        return (Vec::new(), 0.0);
     }
     let builder = Builder::new(options);
     let extent = Extent::of(references);
@@ -91,9 +91,8 @@ pub(super) fn build(
         depths = top.depths();
     }
     let mut subtrees = top.build_parts(&builder, references, &depths);
-    tree.reserve_exact(
-        top.nodes.len() + subtrees.iter().map(|(nodes, _)| nodes.len()).sum::<usize>(),
-    );
+    let below: usize = subtrees.iter().map(|(nodes, _)| nodes.len()).sum();
+    let mut tree = vector_with_capacity(top.nodes.len() + below);
     let costs = top.emit(0, builder.node_cost, &mut subtrees, &mut tree);
     (tree, costs.single())
 }
