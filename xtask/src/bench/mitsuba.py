@@ -1,4 +1,5 @@
-"""Times Mitsuba's path tracer on one scene: prints the seconds for each number of samples.
+"""Times Mitsuba's path tracer on one scene: prints the seconds that loading takes, those for each number
+of samples, and the most memory that the process had, in millions of bytes.
 
 Arguments: scene file, variant, threads, width, height, numbers of samples. The first render of each
 number compiles and is not counted. Dr.Jit takes the LLVM that DRJIT_LIBLLVM_PATH names; version 15
@@ -6,6 +7,7 @@ fails on some processors with AVX-512, version 19 does not.
 """
 
 import re
+import resource
 import sys
 import tempfile
 import time
@@ -30,7 +32,9 @@ text = re.sub(r'(name="filename" value=")(?!/)', rf"\g<1>{folder}/", text)
 with tempfile.NamedTemporaryFile("w", suffix=".xml") as copy:
     copy.write(text)
     copy.flush()
+    start = time.perf_counter()
     scene = mi.load_file(copy.name)
+    print(time.perf_counter() - start, flush=True)
 
 
 def render(count, seed):
@@ -42,3 +46,5 @@ def render(count, seed):
 for count in map(int, counts):
     render(count, 0)
     print(min(render(count, 1), render(count, 2)), flush=True)
+
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1.024e-3)

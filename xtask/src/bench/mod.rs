@@ -11,13 +11,13 @@ mod scenes;
 mod threads;
 
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
-use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
 use serde_json::json;
 
-use crate::workspace::{cargo, root};
+use crate::etendue;
+use crate::workspace::root;
+use process::Job;
 use scenes::{SCENES, Scene};
 
 /// What is measured.
@@ -82,7 +82,9 @@ pub(crate) fn run(arguments: &[String]) -> bool {
 }
 
 fn render(arguments: &Arguments) -> Result<(), String> {
-    let binary = build()?;
+    if !etendue::build() {
+        return Err("etendue does not compile".to_owned());
+    }
     let python = match arguments.peer {
         Some(Peer::Mitsuba) => Some(peer::install()?),
         None => None,
@@ -92,7 +94,10 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     if table {
         let Arguments { threads, rounds, .. } = arguments;
         println!("Msamples/s on {threads} threads, median of {rounds} rounds");
-        println!("{:<14}{:>10}{:>10}{:>8}", "scene", "Etendue", "peer", "ratio");
+        println!(
+            "{:<14}{:>10}{:>10}{:>8}{:>12}{:>8}{:>12}{:>8}",
+            "scene", "Etendue", "peer", "ratio", "load s", "peer", "peak MB", "peer"
+        );
     }
     let is_wanted = |scene: &&Scene| {
         arguments.only.is_empty() || arguments.only.iter().any(|n| n == scene.name)
@@ -101,69 +106,84 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     for scene in SCENES.iter().filter(is_wanted) {
         let (mut own, mut theirs) = (Vec::new(), Vec::new());
         for _ in 0..arguments.rounds {
-            own.push(measure(&binary, scene, &folder, arguments.threads)?);
+            own.push(measure(scene, &folder, arguments.threads)?);
             if let Some(python) = &python {
                 theirs.push(peer::measure(python, scene, &folder, arguments.threads)?);
             }
         }
+        let measures = |rounds: &[Measured]| {
+            json!({
+                "msamples_per_second": column(rounds, |round| round.rate),
+                "load_seconds": column(rounds, |round| round.load_seconds),
+                "peak_megabytes": column(rounds, |round| round.peak_megabytes),
+            })
+        };
         rows.push(json!({
-            "scene": scene.name, "msamples_per_second": &own, "peer_msamples_per_second": &theirs,
+            "scene": scene.name, "etendue": measures(&own), "peer": measures(&theirs),
         }));
         if table {
-            print_rates(scene.name, median(own), &theirs);
+            print_measured(scene.name, &own, &theirs);
         }
     }
     let figures = json!({ "threads": arguments.threads, "scenes": rows });
     keep::finish("render", &figures, &arguments.keeping)
 }
 
+/// What a renderer shows of a scene in one round.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    /// Millions of samples per second.
+    rate: f64,
+    /// Until the first sample; for Etendue also what it takes to write the picture.
+    load_seconds: f64,
+    /// The most memory that the process ever had.
+    peak_megabytes: f64,
+}
+
+/// One of the measures of all rounds.
+fn column(rounds: &[Measured], measure: impl Fn(&Measured) -> f64) -> Vec<f64> {
+    rounds.iter().map(measure).collect()
+}
+
 /// A line of the table of whole renders.
-fn print_rates(name: &str, own: f64, theirs: &[f64]) {
-    if theirs.is_empty() {
-        println!("{name:<14}{own:>10.3}");
-    } else {
-        let theirs = median(theirs.to_vec());
-        println!("{name:<14}{own:>10.3}{theirs:>10.3}{:>8.2}", own / theirs);
-    }
+fn print_measured(name: &str, own: &[Measured], theirs: &[Measured]) {
+    let measures: [fn(&Measured) -> f64; 3] =
+        [|round| round.rate, |round| round.load_seconds, |round| round.peak_megabytes];
+    let [own, theirs] = [own, theirs]
+        .map(|rounds| measures.map(|measure| median(column(rounds, measure)).unwrap_or(f64::NAN)));
+    println!(
+        "{name:<14}{:>10.3}{:>10.3}{:>8.2}{:>12.2}{:>8.2}{:>12.0}{:>8.0}",
+        own[0],
+        theirs[0],
+        own[0] / theirs[0],
+        own[1],
+        theirs[1],
+        own[2],
+        theirs[2]
+    );
 }
 
-/// Compiles the command as users get it; returns its path.
-fn build() -> Result<PathBuf, String> {
-    let build = ["build", "--release", "--package", "etendue-cli", "--quiet"];
-    let status = cargo().args(build).status().map_err(|error| error.to_string())?;
-    let target =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
-    let binary = target.join("release").join(format!("etendue{}", std::env::consts::EXE_SUFFIX));
-    if status.success() { Ok(binary) } else { Err("etendue does not compile".to_owned()) }
-}
-
-/// Millions of samples per second: the difference of two runs, so that start-up and loading drop
-/// out.
-fn measure(binary: &Path, scene: &Scene, folder: &Path, threads: u32) -> Result<f64, String> {
-    let seconds = |count: u32| {
-        let [width, height] = scene.size;
-        let output = std::env::temp_dir().join(format!("etendue-bench-{}.pfm", std::process::id()));
-        let mut command = std::process::Command::new(binary);
-        command.arg("render").arg(folder.join("testcases").join(scene.path));
-        command.args(["--size", &format!("{width}x{height}"), "--filter", "box", "--quiet"]);
-        command.args(["--spp", &count.to_string(), "--threads", &threads.to_string()]);
-        command.arg("--output").arg(&output).stdin(Stdio::null());
-        let started = Instant::now();
-        let status = command.status().map_err(|error| format!("cannot run etendue: {error}"))?;
-        let seconds = started.elapsed().as_secs_f64();
-        // The picture is of no interest, and may not even be there.
-        let _ = std::fs::remove_file(&output);
-        if status.success() { Ok(seconds) } else { Err(format!("{} does not render", scene.name)) }
+/// The rate is that of the difference of two runs, so that start-up and loading drop out.
+fn measure(scene: &Scene, folder: &Path, threads: u32) -> Result<Measured, String> {
+    let path = folder.join("testcases").join(scene.path);
+    let render = |samples: u32| {
+        let job = Job { scene: &path, size: scene.size, samples, threads, filter: Some("box") };
+        process::start(&job, scene.name)?.finish()
     };
     let [few, many] = scene.counts;
-    let difference = seconds(many)? - seconds(few)?;
-    Ok(scene.millions_between() / difference)
+    let (short, long) = (render(few)?, render(many)?);
+    let rendering = scene.millions(many) * 1e6 / long.samples_per_second;
+    Ok(Measured {
+        rate: scene.millions_between() / (long.wall_seconds - short.wall_seconds),
+        load_seconds: long.wall_seconds - rendering,
+        peak_megabytes: long.peak_megabytes,
+    })
 }
 
-/// The middle of some numbers; the upper one of the two in the middle.
-fn median(mut values: Vec<f64>) -> f64 {
+/// The middle of some numbers, if there are any; the upper one of the two in the middle.
+fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    values.get(values.len() / 2).copied()
 }
 
 #[cfg(test)]
@@ -178,7 +198,8 @@ mod tests {
 
     #[test]
     fn the_median_is_in_the_middle() {
-        assert_eq!(median(vec![3.0]), 3.0);
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(vec![3.0]), Some(3.0));
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(Vec::new()), None);
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use super::Measured;
 use super::scenes::Scene;
 use crate::workspace::root;
 
@@ -29,13 +30,13 @@ pub(super) fn install() -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// Millions of samples per second, from the difference of two numbers of samples.
+/// The rate is that of the difference of two numbers of samples.
 pub(super) fn measure(
     python: &Path,
     scene: &Scene,
     folder: &Path,
     threads: u32,
-) -> Result<f64, String> {
+) -> Result<Measured, String> {
     let path = folder.join("mitsuba3").join(format!("{}.xml", scene.name));
     let mut command = Command::new(python);
     command.args(["-c", SCRIPT]).arg(path).arg(VARIANT).arg(threads.to_string());
@@ -45,9 +46,12 @@ pub(super) fn measure(
         return Err(format!("Mitsuba: {}", String::from_utf8_lossy(&output.stderr)));
     }
     let printed = String::from_utf8_lossy(&output.stdout);
-    let seconds: Vec<f64> = printed.lines().filter_map(|line| line.parse().ok()).collect();
-    match seconds.as_slice() {
-        [few, many] => Ok(scene.millions_between() / (many - few)),
+    let figures: Vec<f64> = printed.lines().filter_map(|line| line.parse().ok()).collect();
+    match *figures.as_slice() {
+        [load_seconds, few, many, peak_megabytes] => {
+            let rate = scene.millions_between() / (many - few);
+            Ok(Measured { rate, load_seconds, peak_megabytes })
+        }
         _ => Err(format!("Mitsuba printed no times: {printed}")),
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct Job<'a> {
     pub(super) samples: u32,
     /// Threads.
     pub(super) threads: u32,
+    /// The reconstruction filter, if not the scene's.
+    pub(super) filter: Option<&'a str>,
 }
 
 /// What a render took.
@@ -49,6 +51,9 @@ pub(super) fn start(job: &Job<'_>, name: &str) -> Result<Running, String> {
     command.arg("render").arg(job.scene).args(["--quiet", "--json-progress"]);
     command.args(["--size", &format!("{width}x{height}"), "--spp", &job.samples.to_string()]);
     command.args(["--threads", &job.threads.to_string(), "--output"]).arg(&picture);
+    if let Some(filter) = job.filter {
+        command.args(["--filter", filter]);
+    }
     command.stdin(Stdio::null()).stdout(Stdio::piped());
     let started = Instant::now();
     let child = command.spawn().map_err(|error| format!("cannot run etendue: {error}"))?;

@@ -105,7 +105,7 @@ fn renders(arguments: &Arguments, broken: &mut Vec<String>) -> Result<Vec<Value>
     for (kind, count, limit) in cases(arguments.most) {
         let scene = generated::write(&folder, kind, count).map_err(|error| error.to_string())?;
         for threads in THREADS {
-            let job = Job { scene: &scene, size: [320, 180], samples: 16, threads };
+            let job = Job { scene: &scene, size: [320, 180], samples: 16, threads, filter: None };
             let figures = process::start(&job, "scale")?
                 .finish()
                 .map_err(|problem| format!("{count} {}: {problem}", kind.name()))?;

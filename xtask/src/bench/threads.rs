@@ -41,7 +41,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
         return Err("etendue does not compile".to_owned());
     }
     let scene = root().join(&arguments.scene);
-    let job = |samples, threads| Job { scene: &scene, size: [480, 270], samples, threads };
+    let job =
+        |samples, threads| Job { scene: &scene, size: [480, 270], samples, threads, filter: None };
     let (mut together, mut apart) = (Vec::new(), Vec::new());
     for _ in 0..arguments.rounds {
         let one = process::start(&job(arguments.spp, 2), "threads")?.finish()?;
