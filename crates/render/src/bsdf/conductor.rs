@@ -1,8 +1,8 @@
 //! `conductor`: a smooth metal.
 
 use super::inputs::{MetalIndex, reflectance};
-use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
-use super::{BsdfSample, Closure, Transport, fresnel};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual, parameter};
@@ -10,7 +10,7 @@ use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The parameters of the complex index, which the rough metal has too.
 pub(super) const MATERIAL: ParameterManual = parameter(
@@ -144,23 +144,7 @@ impl<R: Real> LaneClosure<R> for ConductorClosure<R> {
     }
 }
 
-impl Closure for ConductorClosure {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        eval_pdf_alone(self, wi, wo, transport)
-    }
-
-    #[inline]
-    fn sample(
-        &self,
-        wi: Vec3,
-        lobe: f32,
-        direction: Vec2,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        sample_alone(self, wi, lobe, direction, transport)
-    }
-
+impl HitClosure for ConductorClosure {
     #[inline]
     fn has_smooth_lobe(&self) -> bool {
         false

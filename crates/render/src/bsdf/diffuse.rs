@@ -1,8 +1,8 @@
 //! `diffuse`: the ideal matt surface.
 
+use super::Transport;
 use super::inputs::reflectance;
-use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
-use super::{BsdfSample, Closure, Transport};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -11,7 +11,7 @@ use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_sampling::warp::cosine_hemisphere;
 use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -107,23 +107,7 @@ impl<R: Real> LaneClosure<R> for DiffuseClosure<R> {
     }
 }
 
-impl Closure for DiffuseClosure {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        eval_pdf_alone(self, wi, wo, transport)
-    }
-
-    #[inline]
-    fn sample(
-        &self,
-        wi: Vec3,
-        lobe: f32,
-        direction: Vec2,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        sample_alone(self, wi, lobe, direction, transport)
-    }
-
+impl HitClosure for DiffuseClosure {
     #[inline]
     fn has_smooth_lobe(&self) -> bool {
         true

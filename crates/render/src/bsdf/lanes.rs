@@ -12,7 +12,7 @@ mod tests;
 pub use block::ClosureLanes;
 pub use material::{LaneKind, LaneMaterial};
 
-use super::{BsdfSample, Lobe, Transport};
+use super::{BsdfSample, Closure, Lobe, Transport};
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
@@ -110,38 +110,60 @@ pub(super) trait Transfer<R: Real, T: Real> {
     }
 }
 
-/// [`LaneClosure::eval_pdf_lanes`] for one path.
-#[inline(always)]
-pub(super) fn eval_pdf_alone(
-    closure: &impl LaneClosure<f32>,
-    wi: Vec3,
-    wo: Vec3,
-    transport: Transport,
-) -> (Spectrum, f32) {
-    let (value, pdf) = closure.eval_pdf_lanes(wi.into(), wo.into(), transport);
-    (value.into(), pdf)
+/// What a closure of one hit has beside its [`LaneClosure`]; it is then a [`Closure`].
+pub(super) trait HitClosure: LaneClosure<f32> {
+    /// See [`Closure::straight`].
+    fn straight(&self, _wi: Vec3) -> (Spectrum, f32) {
+        (Spectrum::ZERO, 0.0)
+    }
+
+    /// See [`Closure::has_smooth_lobe`].
+    fn has_smooth_lobe(&self) -> bool;
+
+    /// See [`Closure::albedo`].
+    fn albedo(&self, wi: Vec3) -> Spectrum;
 }
 
-/// [`LaneClosure::sample_lanes`] for one path.
-#[inline(always)]
-pub(super) fn sample_alone(
-    closure: &impl LaneClosure<f32>,
-    wi: Vec3,
-    lobe: f32,
-    direction: Vec2,
-    transport: Transport,
-) -> Option<BsdfSample> {
-    let sample = closure.sample_lanes(wi.into(), lobe, direction.into(), transport);
-    let lobe = match (sample.smooth, sample.straight) {
-        (true, _) => Lobe::Smooth,
-        (false, true) => Lobe::Null,
-        (false, false) => Lobe::Delta,
-    };
-    sample.exists.then(|| BsdfSample {
-        wo: sample.wo.into(),
-        weight: sample.weight.into(),
-        pdf: sample.pdf,
-        eta: sample.eta,
-        lobe,
-    })
+impl<C: HitClosure> Closure for C {
+    #[inline]
+    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
+        let (value, pdf) = self.eval_pdf_lanes(wi.into(), wo.into(), transport);
+        (value.into(), pdf)
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Vec3,
+        lobe: f32,
+        direction: Vec2,
+        transport: Transport,
+    ) -> Option<BsdfSample> {
+        let sample = self.sample_lanes(wi.into(), lobe, direction.into(), transport);
+        let lobe = match (sample.smooth, sample.straight) {
+            (true, _) => Lobe::Smooth,
+            (false, true) => Lobe::Null,
+            (false, false) => Lobe::Delta,
+        };
+        sample.exists.then(|| BsdfSample {
+            wo: sample.wo.into(),
+            weight: sample.weight.into(),
+            pdf: sample.pdf,
+            eta: sample.eta,
+            lobe,
+        })
+    }
+
+    fn straight(&self, wi: Vec3) -> (Spectrum, f32) {
+        HitClosure::straight(self, wi)
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        HitClosure::has_smooth_lobe(self)
+    }
+
+    fn albedo(&self, wi: Vec3) -> Spectrum {
+        HitClosure::albedo(self, wi)
+    }
 }

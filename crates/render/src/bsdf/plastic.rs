@@ -6,8 +6,8 @@ use super::inputs::{
     ColorShift, coated_base, internal_diffuse_reflectance, reflectance, relative_index,
     specular_probability,
 };
-use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
-use super::{BsdfSample, Closure, Transport, fresnel};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual, parameter};
@@ -16,7 +16,7 @@ use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_sampling::warp::cosine_hemisphere;
 use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The matt base, which the rough coat has too.
 pub(super) const DIFFUSE_REFLECTANCE: ParameterManual = parameter(
@@ -189,23 +189,7 @@ impl<R: Real> LaneClosure<R> for PlasticClosure<R> {
     }
 }
 
-impl Closure for PlasticClosure {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        eval_pdf_alone(self, wi, wo, transport)
-    }
-
-    #[inline]
-    fn sample(
-        &self,
-        wi: Vec3,
-        lobe: f32,
-        direction: Vec2,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        sample_alone(self, wi, lobe, direction, transport)
-    }
-
+impl HitClosure for PlasticClosure {
     #[inline]
     fn has_smooth_lobe(&self) -> bool {
         true

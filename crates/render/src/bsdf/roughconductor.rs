@@ -2,9 +2,9 @@
 
 use super::conductor::{ETA, EXT_ETA, K, MATERIAL, SPECULAR_REFLECTANCE};
 use super::inputs::{MetalIndex, Roughness, reflectance};
-use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use super::microfacet::{Distribution, Microfacets};
-use super::{BsdfSample, Closure, Transport, fresnel};
+use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual, parameter};
@@ -12,7 +12,7 @@ use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The parameters of the roughness, which the other rough materials have too.
 pub(super) const ALPHA: ParameterManual = parameter(
@@ -204,23 +204,7 @@ impl<R: Real> LaneClosure<R> for RoughConductorClosure<R> {
     }
 }
 
-impl Closure for RoughConductorClosure {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        eval_pdf_alone(self, wi, wo, transport)
-    }
-
-    #[inline]
-    fn sample(
-        &self,
-        wi: Vec3,
-        lobe: f32,
-        direction: Vec2,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        sample_alone(self, wi, lobe, direction, transport)
-    }
-
+impl HitClosure for RoughConductorClosure {
     #[inline]
     fn has_smooth_lobe(&self) -> bool {
         true

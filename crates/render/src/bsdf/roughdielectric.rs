@@ -3,10 +3,10 @@
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE, radiance_scale};
 use super::inputs::{Roughness, reflectance, rough_relative_index};
-use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use super::microfacet::{Distribution, Microfacets, NormalSampling};
 use super::roughconductor::{ALPHA, ALPHA_U, ALPHA_V, DISTRIBUTION, SAMPLE_VISIBLE};
-use super::{BsdfSample, Closure, Transport, fresnel};
+use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::Manual;
@@ -14,7 +14,7 @@ use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -280,23 +280,7 @@ impl<R: Real> LaneClosure<R> for RoughDielectricClosure<R> {
     }
 }
 
-impl Closure for RoughDielectricClosure {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        eval_pdf_alone(self, wi, wo, transport)
-    }
-
-    #[inline]
-    fn sample(
-        &self,
-        wi: Vec3,
-        lobe: f32,
-        direction: Vec2,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        sample_alone(self, wi, lobe, direction, transport)
-    }
-
+impl HitClosure for RoughDielectricClosure {
     #[inline]
     fn has_smooth_lobe(&self) -> bool {
         true

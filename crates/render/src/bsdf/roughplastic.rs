@@ -7,11 +7,11 @@ use super::inputs::{
     ColorShift, coated_base, distribution, reflectance, rough_relative_index, scalar_within,
     specular_probability,
 };
-use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use super::microfacet::{Distribution, Microfacets};
 use super::plastic::{DIFFUSE_REFLECTANCE, INT_IOR, NONLINEAR};
 use super::roughconductor::{ALPHA, DISTRIBUTION, SAMPLE_VISIBLE};
-use super::{BsdfSample, Closure, Transport, fresnel};
+use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, ParameterManual};
@@ -237,23 +237,7 @@ impl<C: Coats<R>, R: Real> LaneClosure<R> for RoughPlasticClosure<C, R> {
     }
 }
 
-impl Closure for RoughPlasticClosure<&CoatTable> {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        eval_pdf_alone(self, wi, wo, transport)
-    }
-
-    #[inline]
-    fn sample(
-        &self,
-        wi: Vec3,
-        lobe: f32,
-        direction: Vec2,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        sample_alone(self, wi, lobe, direction, transport)
-    }
-
+impl HitClosure for RoughPlasticClosure<&CoatTable> {
     #[inline]
     fn has_smooth_lobe(&self) -> bool {
         true

@@ -3,8 +3,8 @@
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE};
 use super::inputs::{reflectance, relative_index};
-use super::lanes::{LaneClosure, SampleLanes, Transfer, eval_pdf_alone, sample_alone};
-use super::{BsdfSample, Closure, Transport, fresnel};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::Manual;
@@ -12,7 +12,7 @@ use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -127,23 +127,7 @@ impl<R: Real> LaneClosure<R> for ThinDielectricClosure<R> {
     }
 }
 
-impl Closure for ThinDielectricClosure {
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3, wo: Vec3, transport: Transport) -> (Spectrum, f32) {
-        eval_pdf_alone(self, wi, wo, transport)
-    }
-
-    #[inline]
-    fn sample(
-        &self,
-        wi: Vec3,
-        lobe: f32,
-        direction: Vec2,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        sample_alone(self, wi, lobe, direction, transport)
-    }
-
+impl HitClosure for ThinDielectricClosure {
     fn straight(&self, wi: Vec3) -> (Spectrum, f32) {
         let passed = 1.0 - self.reflected(wi.z);
         ((self.transmittance * passed).into(), passed)
