@@ -108,7 +108,7 @@ impl ExactSums {
     /// If there is no such sum.
     #[inline]
     pub fn add(&mut self, index: usize, value: f64) {
-        self.slice_mut(index, 1).add(0, [value]);
+        self.slice_mut(index, 1).add(0, value);
     }
 
     /// Adds other sums one by one. Any tree of merges gives the sums that adding all values to one
@@ -174,33 +174,18 @@ impl ExactSums {
 }
 
 impl SumsMut<'_> {
-    /// Adds finite values to the sums from `first` on.
+    /// Adds a finite value to one of the sums.
     #[inline(always)]
-    pub(crate) fn add<const N: usize>(&mut self, first: usize, values: [f64; N]) {
-        // Of known length, so that the loops are unrolled and work on several sums at once.
-        let (Some(limits), Some(digits)) = (
-            self.limits[first..].first_chunk_mut::<N>(),
-            self.digits[first..].first_chunk_mut::<N>(),
-        ) else {
-            panic!("there are no {N} sums from {first} on");
-        };
-        let mut rises = false;
-        for sum in 0..N {
-            rises |= exponent_field(values[sum]) >= limits[sum];
+    pub(crate) fn add(&mut self, index: usize, value: f64) {
+        let (limit, digits) = (&mut self.limits[index], &mut self.digits[index]);
+        if exponent_field(value) >= *limit {
+            raise(limit, digits, exponent_field(value));
         }
-        if rises {
-            for sum in 0..N {
-                raise(&mut limits[sum], &mut digits[sum], exponent_field(values[sum]));
-            }
-        }
-        for sum in 0..N {
-            add(limits[sum], &mut digits[sum], values[sum]);
-        }
+        add(*limit, digits, value);
     }
-}
 
-impl SumsMut<'_> {
-    /// As [`Self::add`] for four values, side by side in registers: the compiler leaves them one by one.
+    /// As [`Self::add`] for four sums from `first` on, side by side in registers: the compiler leaves
+    /// them one by one.
     #[inline(always)]
     pub(crate) fn add_four<S: Simd>(&mut self, simd: S, first: usize, values: [f64; 4]) {
         let limits = &mut self.limits[first..first + 4];
@@ -249,8 +234,8 @@ fn add(limit: u16, digits: &mut Digits, value: f64) {
     digits[1] += low;
 }
 
-/// Moves a sum to the least window that a value with this exponent field fits, if it is in a lower one. Rare: once for the
-/// first value, and then for those that are far greater than all before.
+/// Moves a sum to the least window that a value with this exponent field fits, if it is in a lower
+/// one. Rare: once for the first value, and then for those that are far greater than all before.
 #[cold]
 #[inline(never)]
 fn raise(limit: &mut u16, digits: &mut Digits, exponent: u16) {
@@ -381,7 +366,9 @@ mod tests {
                 let (mut together, mut alone) = (ExactSums::new(6), ExactSums::new(6));
                 for &values in &values {
                     with_lanes!(level, simd => together.slice_mut(1, 5).add_four(simd, 0, values));
-                    alone.slice_mut(1, 5).add(0, values);
+                    for (sum, value) in values.into_iter().enumerate() {
+                        alone.slice_mut(1, 5).add(sum, value);
+                    }
                 }
                 prop_assert_eq!(&together, &alone);
             }

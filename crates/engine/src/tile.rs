@@ -243,13 +243,15 @@ fn add<V: Simd>(simd: V, sums: &mut SumsMut<'_>, sample: &Sample, layers: &[f32]
     let values: [f32; COLOR_CHANNELS] = [red, green, blue, sample.alpha];
     sums.add_four(simd, 0, values.map(|value| weight * f64::from(value)));
     for (layer, &value) in layers.iter().enumerate() {
-        sums.add(COLOR_CHANNELS + layer, [weight * f64::from(value)]);
+        sums.add(COLOR_CHANNELS + layer, weight * f64::from(value));
     }
 }
 
 #[inline(always)]
 fn add_squares(squares: &mut SumsMut<'_>, sample: &Sample) {
     let weight = f64::from(sample.weight);
-    let weighted = sample.color.rgb().map(|value| weight * f64::from(value));
-    squares.add(0, weighted.map(|value| value * value));
+    for (channel, value) in sample.color.rgb().into_iter().enumerate() {
+        let weighted = weight * f64::from(value);
+        squares.add(channel, weighted * weighted);
+    }
 }

@@ -135,6 +135,13 @@ impl SpectrumLanes<f32> {
             array.0[lane] = component;
         }
     }
+
+    /// The spectrum in one lane of columns in memory.
+    #[inline(always)]
+    #[must_use]
+    pub fn take(arrays: &[LaneArray; Spectrum::LANES], lane: usize) -> Self {
+        Self(arrays.each_ref().map(|array| array.0[lane]))
+    }
 }
 
 impl From<Spectrum> for SpectrumLanes<f32> {

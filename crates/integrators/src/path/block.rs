@@ -4,7 +4,7 @@ use super::Path;
 use super::wave::{Promise, State, roulette};
 use crate::light::{Origin, power_heuristic};
 use etendue_math::lanes::{
-    LaneArray, LaneMask, Lanes, Level, MAX_LANES, Mask, Real, Simd, Vector2,
+    LaneArray, LaneMask, Lanes, Level, MAX_LANES, Mask, Real, Simd, Vector2, Vector3,
 };
 use etendue_math::{Ray, RayLanes, with_lanes};
 use etendue_render::bsdf::{ClosureLanes, LaneKind, SampleLanes};
@@ -12,7 +12,6 @@ use etendue_render::shape::mesh::TriangleBlock;
 use etendue_render::{Hit, MaterialId, Scene, SurfaceBlock, SurfaceLanes};
 use etendue_sampling::{NumberBlock, draw_vertices};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::Vec3;
 
 /// As many vertices as the widest lanes take, all of materials of one kind, and where their paths go
 /// on. A place is a vertex's number in the block.
@@ -118,9 +117,7 @@ impl<'a> Block<'a> {
         (throughput, eta): (Spectrum, f32),
     ) {
         self.paths[place] = path;
-        for (component, array) in self.throughput.iter_mut().enumerate() {
-            array.0[place] = throughput[component];
-        }
+        SpectrumLanes::from(throughput).put(&mut self.throughput, place);
         self.eta.0[place] = eta;
     }
 
@@ -268,11 +265,11 @@ impl<'a> Block<'a> {
         let promises = &self.promises;
         places(promises.places).map(|place| {
             let ray = Ray::segment(
-                vector(&promises.origin, place),
-                vector(&promises.direction, place),
+                Vector3::take(&promises.origin, place).into(),
+                Vector3::take(&promises.direction, place).into(),
                 promises.t_max.0[place],
             );
-            let radiance = spectrum(&promises.radiance, place);
+            let radiance: Spectrum = SpectrumLanes::take(&promises.radiance, place).into();
             (Promise { path: self.paths[place], radiance }, self.numbers.light[0].0[place], ray)
         })
     }
@@ -282,12 +279,15 @@ impl<'a> Block<'a> {
         let next = &self.next;
         places(next.places).map(move |place| Continuation {
             path: self.paths[place],
-            ray: Ray::new(vector(&next.origin, place), vector(&next.direction, place)),
+            ray: Ray::new(
+                Vector3::take(&next.origin, place).into(),
+                Vector3::take(&next.direction, place).into(),
+            ),
             origin: Origin {
                 point: self.surfaces.point(place),
                 pdf: (next.competing >> place & 1 != 0).then_some(next.pdf.0[place]),
             },
-            throughput: spectrum(&self.throughput, place),
+            throughput: SpectrumLanes::take(&self.throughput, place).into(),
             eta: self.eta.0[place],
             straight: next.straight >> place & 1 != 0,
             place,
@@ -302,14 +302,4 @@ pub(super) fn places(mut bits: u32) -> impl Iterator<Item = usize> {
         bits &= bits.wrapping_sub(1);
         (place < u32::BITS).then_some(place as usize)
     })
-}
-
-#[inline(always)]
-fn vector(arrays: &[LaneArray; 3], place: usize) -> Vec3 {
-    Vec3::from(arrays.each_ref().map(|array| array.0[place]))
-}
-
-#[inline(always)]
-fn spectrum(arrays: &[LaneArray; Spectrum::LANES], place: usize) -> Spectrum {
-    Spectrum::from(arrays.each_ref().map(|array| array.0[place]))
 }

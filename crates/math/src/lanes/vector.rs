@@ -230,6 +230,14 @@ impl Vector3<f32> {
         let [x, y, z] = arrays;
         (x.0[lane], y.0[lane], z.0[lane]) = (self.x, self.y, self.z);
     }
+
+    /// The vector in one lane of columns in memory.
+    #[inline(always)]
+    #[must_use]
+    pub fn take(arrays: &[LaneArray; 3], lane: usize) -> Self {
+        let [x, y, z] = arrays;
+        Self { x: x.0[lane], y: y.0[lane], z: z.0[lane] }
+    }
 }
 
 impl Vector2<f32> {

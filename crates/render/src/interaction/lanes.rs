@@ -90,32 +90,28 @@ impl SurfaceBlock {
     #[inline(always)]
     #[must_use]
     pub fn point(&self, place: usize) -> Vec3 {
-        at(&self.point, place)
+        Vector3::take(&self.point, place).into()
     }
 
     /// All that is known of the surface in one place, which is that of `hit`.
     #[must_use]
     pub fn interaction(&self, place: usize, hit: &Hit) -> SurfaceInteraction {
-        let [s, t, n] = self.shading.each_ref().map(|axis| at(axis, place));
+        let at = |arrays| Vec3::from(Vector3::take(arrays, place));
+        let [s, t, n] = self.shading.each_ref().map(at);
         SurfaceInteraction {
-            point: at(&self.point, place),
-            error: at(&self.error, place),
+            point: at(&self.point),
+            error: at(&self.error),
             t: hit.t,
-            normal: at(&self.normal, place),
+            normal: at(&self.normal),
             shading: Frame { s, t, n },
             uv: Vec2::new(self.uv[0].0[place], self.uv[1].0[place]),
-            dp_du: at(&self.dp_du, place),
-            dp_dv: at(&self.dp_dv, place),
-            wi: at(&self.wi, place),
+            dp_du: at(&self.dp_du),
+            dp_dv: at(&self.dp_dv),
+            wi: at(&self.wi),
             shape: ShapeId(hit.geometry),
             primitive: hit.primitive,
             barycentric: Vec2::new(hit.u, hit.v),
             instance: None,
         }
     }
-}
-
-#[inline(always)]
-fn at(arrays: &[LaneArray; 3], place: usize) -> Vec3 {
-    Vec3::from(arrays.each_ref().map(|array| array.0[place]))
 }

@@ -15,8 +15,10 @@ pub(super) struct Places {
 
 impl Places {
     pub(super) fn lane(&self, lane: usize) -> (Vec3, Vec2) {
-        let reference = self.reference.each_ref().map(|column| column.0[lane]);
-        (reference.into(), self.random.each_ref().map(|column| column.0[lane]).into())
+        (
+            Vector3::take(&self.reference, lane).into(),
+            self.random.each_ref().map(|column| column.0[lane]).into(),
+        )
     }
 }
 

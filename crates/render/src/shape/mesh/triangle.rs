@@ -174,14 +174,14 @@ impl CornerBlock {
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, mesh: &Mesh, vertices: [usize; 3]) {
         for (corner, vertex) in vertices.into_iter().enumerate() {
-            set3(&mut self.positions[corner], lane, mesh.positions[vertex]);
+            Vector3::from(mesh.positions[vertex]).put(&mut self.positions[corner], lane);
         }
         let bit = 1 << lane;
         self.smooth &= !bit;
         if !mesh.normals.is_empty() {
             self.smooth |= bit;
             for (corner, vertex) in vertices.into_iter().enumerate() {
-                set3(&mut self.normals[corner], lane, mesh.normals[vertex]);
+                Vector3::from(mesh.normals[vertex]).put(&mut self.normals[corner], lane);
             }
         }
         self.orientation.0[lane] = mesh.orientation;
@@ -235,7 +235,7 @@ impl TriangleBlock {
         }
         let [x, y] = &mut self.barycentric;
         (x.0[lane], y.0[lane]) = (hit.u, hit.v);
-        set3(&mut self.directions, lane, direction);
+        Vector3::from(direction).put(&mut self.directions, lane);
     }
 
     /// The surfaces, from the lane `first` on.
@@ -254,10 +254,4 @@ impl TriangleBlock {
         let wi = shading.to_local(-Vector3::load(simd, &self.directions, first));
         SurfaceLanes { point, error, normal, shading, uv, dp_du, dp_dv, wi }
     }
-}
-
-#[inline(always)]
-fn set3(arrays: &mut [LaneArray; 3], lane: usize, vector: Vec3) {
-    let [x, y, z] = arrays;
-    (x.0[lane], y.0[lane], z.0[lane]) = vector.into();
 }
