@@ -1,5 +1,7 @@
 //! Memory for large arrays.
 
+use rayon::prelude::*;
+
 /// An empty vector with room for `capacity` items, in large pages where the system has them for
 /// those who ask: fewer page faults while it is filled, and fewer misses of the address cache when
 /// rays touch it all over.
@@ -7,6 +9,42 @@ pub(crate) fn vector_with_capacity<T>(capacity: usize) -> Vec<T> {
     let mut vector = Vec::with_capacity(capacity);
     #[cfg(target_os = "linux")]
     linux::advise_large_pages(vector.spare_capacity_mut());
+    vector
+}
+
+/// The items of all parts, one part after the other, written by several threads at once, and room
+/// for some more. `length` says how many items a part has, and `items` makes just as many.
+///
+/// # Panics
+///
+/// Where `items` makes more or fewer.
+pub(crate) fn concatenate<'a, P: Sync, T: Send, I: Iterator<Item = T>>(
+    parts: &'a [P],
+    room: usize,
+    length: impl Fn(&P) -> usize,
+    items: impl Fn(&'a P) -> I + Sync,
+) -> Vec<T> {
+    let total = parts.iter().map(&length).sum();
+    let mut vector = vector_with_capacity(total + room);
+    let mut rest = &mut vector.spare_capacity_mut()[..total];
+    let mut tasks = Vec::with_capacity(parts.len());
+    for part in parts {
+        let (slots, others) = std::mem::take(&mut rest).split_at_mut(length(part));
+        tasks.push((part, slots));
+        rest = others;
+    }
+    let unassigned = rest.len();
+    tasks.into_par_iter().for_each(|(part, slots)| {
+        let mut written = 0;
+        items(part).for_each(|item| {
+            slots[written].write(item);
+            written += 1;
+        });
+        assert_eq!(written, slots.len(), "a part has another length");
+    });
+    assert!(unassigned == 0, "a part has another length than before");
+    // SAFETY: all `total` slots belonged to some part, and every part has written all of its own.
+    unsafe { vector.set_len(total) };
     vector
 }
 

@@ -32,6 +32,24 @@ const _: () = assert!(size_of::<Node>() == 256);
 #[repr(transparent)]
 pub(crate) struct Child(pub(crate) u32);
 
+/// How many there are of everything that a [`Child`] may name.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lengths {
+    pub(crate) nodes: usize,
+    pub(crate) blocks: usize,
+    pub(crate) custom: usize,
+}
+
+impl Lengths {
+    pub(crate) fn plus(self, others: Self) -> Self {
+        Self {
+            nodes: self.nodes + others.nodes,
+            blocks: self.blocks + others.blocks,
+            custom: self.custom + others.custom,
+        }
+    }
+}
+
 /// [`Child`], spelled out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ChildKind {
@@ -80,6 +98,17 @@ impl Child {
     pub(crate) fn custom(first: usize, count: usize) -> Self {
         debug_assert!(first < Self::MAX_CUSTOM_ENTRIES && count <= Self::MAX_CUSTOM);
         Self(Self::LEAF | Self::CUSTOM | (count as u32) << Self::COUNT_SHIFT | first as u32)
+    }
+
+    /// The same child where all that it may name lies further behind.
+    pub(crate) fn moved(self, by: &Lengths) -> Self {
+        let units = match self.kind() {
+            ChildKind::Node(_) => by.nodes * Self::NODE_UNITS,
+            ChildKind::Block(_) => by.blocks * Self::BLOCK_UNITS,
+            ChildKind::Custom { count: 0, .. } => 0,
+            ChildKind::Custom { .. } => by.custom,
+        };
+        Self(self.0 + units as u32)
     }
 
     #[inline(always)]
@@ -147,6 +176,11 @@ impl Node {
             self.planes[2 * axis + 1].0[slot] = bounds.max[axis];
         }
         self.children[slot] = child;
+    }
+
+    /// The same node where all that its children may name lies further behind.
+    pub(crate) fn moved(&self, by: &Lengths) -> Self {
+        Self { planes: self.planes, children: self.children.map(|child| child.moved(by)) }
     }
 
     pub(crate) fn bounds(&self, slot: usize) -> Bounds3 {

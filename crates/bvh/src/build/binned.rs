@@ -16,15 +16,16 @@ use crate::options::BuildOptions;
 use crate::simd::Tier;
 use etendue_math::Bounds3;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// A node of the binary tree. Its left child follows it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BinaryNode {
     min: Vec3,
     max: Vec3,
-    /// The first reference below it; means nothing where the tree was rearranged.
+    /// The first reference below it; of a leaf of the top, the part below it.
     pub(super) first: u32,
-    /// How many references are below it; as `first`.
+    /// How many references are below it; zero in the top, where they may lie apart.
     pub(super) count: u32,
     /// How far after this node its right child is; 0 for a leaf.
     pub(super) right: u32,
@@ -48,10 +49,18 @@ impl BinaryNode {
     pub(super) fn bounds(&self) -> Bounds3 {
         Bounds3::new(self.min, self.max)
     }
+
+    pub(super) fn is_leaf(&self) -> bool {
+        self.right == 0 || self.plan.is_leaf()
+    }
 }
 
 /// Ranges of more references are divided between threads.
 pub(super) const PARALLEL: usize = 4096;
+
+/// Ranges of more references are sorted into bins by several threads: the first few, before there are
+/// as many ranges as threads.
+const MANY: usize = 4 * Reference::CHUNK;
 
 /// What the recursion carries along unchanged.
 pub(super) struct Builder {
@@ -190,8 +199,40 @@ impl Builder {
         // A bin for every few references is enough, and small ranges are by far the most.
         let count = (4 + references.len() / 4).min(self.bin_count);
         let binning = Binning::new(extent, count);
+        if references.len() > MANY {
+            return self.bins_of_many(references, &binning, count).best_split(&binning);
+        }
         let mut bins = Bins::new(count);
         K::add(&mut bins, &binning, references);
         bins.best_split(&binning)
     }
+
+    /// Sorts references into bins by several threads.
+    #[inline(never)]
+    fn bins_of_many(&self, references: &[Reference], binning: &Binning, count: usize) -> Bins {
+        let chunks = references.par_chunks(Reference::CHUNK);
+        let chunks: Vec<Bins> = chunks.map(|chunk| self.bins_of(chunk, binning, count)).collect();
+        let mut bins = Bins::new(count);
+        chunks.iter().for_each(|chunk| bins.merge(chunk));
+        bins
+    }
+
+    fn bins_of(&self, references: &[Reference], binning: &Binning, count: usize) -> Bins {
+        let mut bins = Bins::new(count);
+        #[cfg(target_arch = "x86_64")]
+        if self.tier != Tier::Portable {
+            // SAFETY: as in `split`.
+            unsafe { add_avx2(&mut bins, binning, references) };
+            return bins;
+        }
+        Portable::add(&mut bins, binning, references);
+        bins
+    }
+}
+
+/// As [`Kernel::add`].
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn add_avx2(bins: &mut Bins, binning: &Binning, references: &[Reference]) {
+    Avx2::add(bins, binning, references);
 }

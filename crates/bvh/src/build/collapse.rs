@@ -7,12 +7,14 @@
 
 use super::binned::BinaryNode;
 use super::reference::Reference;
+use super::top::{Place, Tree};
 use crate::error_bounds::padded;
 use crate::geometry::GeometryView;
-use crate::memory::vector_with_capacity;
+use crate::memory::{concatenate, vector_with_capacity};
 use crate::names::Names;
-use crate::node::{Child, Custom, Node, TriangleBlock, WIDTH};
+use crate::node::{Child, Custom, Lengths, Node, TriangleBlock, WIDTH};
 use rayon::prelude::*;
+use std::iter::once;
 
 /// What a subtree costs as at most 1, 2, … 7 children of a wide node.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +32,7 @@ impl Plan {
         (self.0 >> (3 * (children - 2)) & 7) as usize
     }
 
-    fn is_leaf(self) -> bool {
+    pub(super) fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
     }
 }
@@ -102,55 +104,106 @@ pub(super) struct Wide {
 /// The binary nodes that become the children of a wide one; in place, as there are so many.
 #[derive(Default)]
 struct Children {
-    places: [usize; WIDTH],
+    places: [Place; WIDTH],
     count: usize,
 }
 
 impl Children {
-    fn push(&mut self, place: usize) {
+    fn push(&mut self, place: Place) {
         self.places[self.count] = place;
         self.count += 1;
     }
 
-    fn as_slice(&self) -> &[usize] {
+    fn as_slice(&self) -> &[Place] {
         &self.places[..self.count]
     }
 
-    fn as_mut_slice(&mut self) -> &mut [usize] {
+    fn as_mut_slice(&mut self) -> &mut [Place] {
         &mut self.places[..self.count]
     }
 }
 
-/// Converts the tree.
-pub(super) fn collapse(tree: &[BinaryNode], references: &[Reference]) -> Wide {
-    // Room for more than there will be: what is not used is never touched, and costs nothing.
-    let mut wide = Wide {
-        nodes: vector_with_capacity(tree.len() / 4 + 1),
-        block_ranges: Vec::with_capacity(tree.len() / 2 + 1),
-        ..Wide::default()
-    };
-    if let Some(root) = tree.first() {
-        if is_leaf(root) {
-            wide.nodes.push(Node::EMPTY);
-            let child = wide.add_leaf(root, references);
-            wide.nodes[0].set(0, padded(root.bounds()), child);
-        } else {
-            wide.add_node(tree, 0, references);
-        }
-    } else {
-        wide.nodes.push(Node::EMPTY);
-    }
-    wide
+/// A slot of a wide node whose child is still to be added: a node inside a part.
+struct Deferred {
+    node: usize,
+    slot: usize,
+    place: Place,
 }
 
-fn is_leaf(node: &BinaryNode) -> bool {
-    node.right == 0 || node.plan.is_leaf()
+/// So many deferred nodes are one task for a thread. They are a few thousand in a large tree.
+const DEFERRED_PER_TASK: usize = 64;
+
+/// Converts the tree: first the top, and then what is inside the parts, by several threads.
+pub(super) fn collapse(tree: &Tree, references: &[Reference]) -> Wide {
+    let mut top = Wide::default();
+    let mut deferred = Vec::new();
+    match tree.root() {
+        None => top.nodes.push(Node::EMPTY),
+        Some(root) if tree.node(root).is_leaf() => {
+            top.nodes.push(Node::EMPTY);
+            let node = tree.node(root);
+            let child = top.add_leaf(node, references);
+            top.nodes[0].set(0, padded(node.bounds()), child);
+        }
+        Some(root) => drop(top.add_node(tree, root, references, &mut deferred)),
+    }
+    let pieces: Vec<(Wide, Vec<Child>)> = deferred
+        .par_chunks(DEFERRED_PER_TASK)
+        .map(|deferred| {
+            let mut piece = Wide::default();
+            // Inside a part nothing more is deferred.
+            let mut none = Vec::new();
+            let add = |one: &Deferred| piece.add_node(tree, one.place, references, &mut none);
+            let roots = deferred.iter().map(add).collect();
+            (piece, roots)
+        })
+        .collect();
+    let mut end = top.lengths();
+    let mut slots = deferred.iter();
+    let mut moves = vec![Lengths::default()];
+    for (piece, roots) in &pieces {
+        // The roots come first, so that none of the slots is taken in vain.
+        for (root, one) in roots.iter().zip(slots.by_ref()) {
+            top.nodes[one.node].children[one.slot] = root.moved(&end);
+        }
+        moves.push(end);
+        end = end.plus(piece.lengths());
+    }
+    let wides: Vec<Wide> = once(top).chain(pieces.into_iter().map(|(piece, _)| piece)).collect();
+    Wide::join(&wides.iter().zip(moves).collect::<Vec<_>>())
 }
 
 impl Wide {
-    /// Adds the wide node of a binary node and everything below. The recursion is as deep as the
-    /// tree, which is bounded.
-    fn add_node(&mut self, tree: &[BinaryNode], binary: usize, references: &[Reference]) -> Child {
+    fn lengths(&self) -> Lengths {
+        Lengths {
+            nodes: self.nodes.len(),
+            blocks: self.block_ranges.len(),
+            custom: self.custom.len(),
+        }
+    }
+
+    /// All in one, each moved behind those before it.
+    fn join(pieces: &[(&Self, Lengths)]) -> Self {
+        let node_count = |&(piece, _): &(&Self, _)| piece.nodes.len();
+        Self {
+            nodes: concatenate(pieces, 0, node_count, |(piece, by)| {
+                piece.nodes.iter().map(|node| node.moved(by))
+            }),
+            custom: pieces.iter().flat_map(|(piece, _)| &piece.custom).copied().collect(),
+            triangle_count: pieces.iter().map(|(piece, _)| piece.triangle_count).sum(),
+            block_ranges: pieces.iter().flat_map(|(piece, _)| &piece.block_ranges).copied().collect(),
+        }
+    }
+
+    /// Adds the wide node of a binary node and everything below, but for what is inside a part where
+    /// the node itself is not. The recursion is as deep as the tree, which is bounded.
+    fn add_node(
+        &mut self,
+        tree: &Tree,
+        binary: Place,
+        references: &[Reference],
+        deferred: &mut Vec<Deferred>,
+    ) -> Child {
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
         let mut children = Children::default();
@@ -159,24 +212,26 @@ impl Wide {
         // child.
         if children.as_slice() == [binary] {
             children = Children::default();
-            children.push(binary + 1);
-            children.push(binary + tree[binary].right as usize);
+            tree.children(binary).into_iter().for_each(|child| children.push(child));
         }
         // A ray that any hit will do for takes the last first: blocks, which end it soonest, and of
         // them the largest. Segments then visit a sixth fewer nodes than in no order; by area alone,
         // or with the smallest last, they visit more.
         children.as_mut_slice().sort_by_key(|&child| {
-            let node = &tree[child];
-            (is_leaf(node), node.bounds().half_area().to_bits())
+            let node = tree.node(child);
+            (node.is_leaf(), node.bounds().half_area().to_bits())
         });
-        for (slot, &child) in children.as_slice().iter().enumerate() {
-            let node = &tree[child];
-            let word = if is_leaf(node) {
+        for (slot, &place) in children.as_slice().iter().enumerate() {
+            let node = tree.node(place);
+            let child = if node.is_leaf() {
                 self.add_leaf(node, references)
+            } else if binary.is_top() && !place.is_top() {
+                deferred.push(Deferred { node: index, slot, place });
+                Child::EMPTY
             } else {
-                self.add_node(tree, child, references)
+                self.add_node(tree, place, references, deferred)
             };
-            self.nodes[index].set(slot, padded(node.bounds()), word);
+            self.nodes[index].set(slot, padded(node.bounds()), child);
         }
         Child::node(index)
     }
@@ -220,8 +275,8 @@ impl Wide {
 }
 
 /// Gathers the subtrees that become at most `children` children.
-fn distribute(tree: &[BinaryNode], binary: usize, children: usize, into: &mut Children) {
-    let node = &tree[binary];
+fn distribute(tree: &Tree, binary: Place, children: usize, into: &mut Children) {
+    let node = tree.node(binary);
     let mut children = children;
     while children > 1 && node.plan.left_share(children) == 0 {
         children -= 1;
@@ -231,8 +286,9 @@ fn distribute(tree: &[BinaryNode], binary: usize, children: usize, into: &mut Ch
         return;
     }
     let to_left = node.plan.left_share(children);
-    distribute(tree, binary + 1, to_left, into);
-    distribute(tree, binary + node.right as usize, children - to_left, into);
+    let [left, right] = tree.children(binary);
+    distribute(tree, left, to_left, into);
+    distribute(tree, right, children - to_left, into);
 }
 
 fn fill_block(

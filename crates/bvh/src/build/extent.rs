@@ -2,6 +2,7 @@
 
 use super::reference::Reference;
 use glam::Vec4;
+use rayon::prelude::*;
 
 /// A box in SIMD registers, its greatest corner negated so that both corners grow by the lesser;
 /// the fourth components mean nothing.
@@ -64,6 +65,17 @@ impl Extent {
     pub(super) fn of(references: &[Reference]) -> Self {
         let mut extent = Self::EMPTY;
         references.iter().for_each(|reference| extent.add(reference));
+        extent
+    }
+
+    /// As [`Extent::of`], by several threads.
+    pub(super) fn of_many(references: &[Reference]) -> Self {
+        let chunks: Vec<Self> = references.par_chunks(Reference::CHUNK).map(Self::of).collect();
+        let mut extent = Self::EMPTY;
+        for chunk in &chunks {
+            extent.bounds.grow(&chunk.bounds);
+            extent.centers.grow(&chunk.centers);
+        }
         extent
     }
 }

@@ -63,8 +63,9 @@ mod avx2 {
     use glam::Vec4;
     use std::arch::x86_64::*;
 
-    /// Both corners of a box in one register. Its functions are always inlined into
-    /// `Builder::split_avx2`, the only place that names it.
+    /// Both corners of a box in one register. Its functions are always inlined into those functions
+    /// of `binned` that are compiled for these instructions, the only places that name it; a closure
+    /// would not be.
     pub(in super::super) struct Avx2;
 
     /// From so many references on it pays to have two sets of bins.
@@ -120,7 +121,9 @@ mod avx2 {
         #[inline(always)]
         fn add(bins: &mut Bins, binning: &Binning, references: &[Reference]) {
             if references.len() < TWO_SETS {
-                references.iter().for_each(|reference| add_one(bins, binning, reference));
+                for reference in references {
+                    add_one(bins, binning, reference);
+                }
                 return;
             }
             // Neighbours often fall into the same bin. Where they take turns between two sets, the
@@ -131,7 +134,9 @@ mod avx2 {
                 add_one(bins, binning, &pair[0]);
                 add_one(&mut others, binning, &pair[1]);
             }
-            pairs.remainder().iter().for_each(|reference| add_one(bins, binning, reference));
+            for reference in pairs.remainder() {
+                add_one(bins, binning, reference);
+            }
             bins.merge(&others);
         }
 

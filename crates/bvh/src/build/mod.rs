@@ -10,7 +10,6 @@ mod reference;
 mod reinsert;
 mod top;
 
-use self::binned::BinaryNode;
 use crate::bvh::Bvh;
 use crate::error::BuildError;
 use crate::geometry::GeometryView;
@@ -57,7 +56,7 @@ pub(crate) fn build(
     if wide.custom.len() > Child::MAX_CUSTOM_ENTRIES {
         return Err(BuildError::TooManyPrimitives);
     }
-    let bounds = tree.first().map_or(Bounds3::EMPTY, BinaryNode::bounds);
+    let bounds = tree.root().map_or(Bounds3::EMPTY, |root| tree.node(root).bounds());
     // Memory is at its peak below.
     drop(tree);
     let names = Names::new(geometries).ok_or(BuildError::TooManyPrimitives)?;

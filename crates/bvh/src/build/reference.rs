@@ -3,10 +3,11 @@
 use crate::error::BuildError;
 use crate::geometry::{GeometryView, TriangleMeshView};
 use crate::instance::world_bounds;
-use crate::memory::vector_with_capacity;
+use crate::memory::concatenate;
 use etendue_math::Bounds3;
 use glam::{Vec3, Vec4};
-use rayon::prelude::*;
+use std::iter::repeat;
+use std::sync::{Mutex, PoisonError};
 
 /// A box and what it holds. The fourth components carry the names, as bits, so that a reference is
 /// two SIMD registers, or one.
@@ -19,10 +20,11 @@ pub(super) struct Reference {
     pub(super) max: Vec4,
 }
 
-/// The part of a mesh that one task turns into references.
-const CHUNK: usize = 16 * 1024;
-
 impl Reference {
+    /// So many are one task for a thread, where they are many and order does not matter. Always the
+    /// same number, so that no result depends on the number of threads.
+    pub(super) const CHUNK: usize = 16 * 1024;
+
     /// Set in the geometry of what is not a triangle.
     const CUSTOM: u32 = 1 << 31;
     /// Set, besides, in the geometry of an instance.
@@ -75,17 +77,18 @@ impl Reference {
     }
 }
 
-/// The references of all geometries, in order. Triangles without area and empty boxes, which
-/// nothing can hit, are left out.
+/// The references of all geometries: those of triangles first, and then the others, each in the order
+/// of the geometries but for the last triangles, which take the places of those without area. Empty
+/// boxes are left out as well: nothing can hit either.
 pub(super) fn collect(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>, BuildError> {
     if geometries.len() >= Reference::INSTANCE as usize {
         return Err(BuildError::TooManyPrimitives);
     }
-    let mut references = vector_with_capacity(geometries.iter().map(primitive_count).sum());
+    let mut references = collect_triangles(geometries)?;
     let mut next_instance = 0..;
     for (geometry, view) in (0_u32..).zip(geometries) {
         match view {
-            GeometryView::Triangles(mesh) => collect_triangles(geometry, mesh, &mut references)?,
+            GeometryView::Triangles(_) => {}
             GeometryView::User(boxes) => collect_boxes(geometry, boxes, &mut references)?,
             GeometryView::Instance { group, to_world } => {
                 let index: usize = next_instance.next().unwrap_or(usize::MAX);
@@ -103,50 +106,78 @@ pub(super) fn collect(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>,
     Ok(references)
 }
 
-fn primitive_count(view: &GeometryView<'_>) -> usize {
+fn custom_count(view: &GeometryView<'_>) -> usize {
     match view {
-        GeometryView::Triangles(mesh) => mesh.indices.len(),
+        GeometryView::Triangles(_) => 0,
         GeometryView::User(boxes) => boxes.len(),
         GeometryView::Instance { .. } => 1,
     }
 }
 
-fn collect_triangles(
+/// Some triangles of one mesh.
+struct Chunk<'a> {
     geometry: u32,
-    mesh: &TriangleMeshView<'_>,
-    references: &mut Vec<Reference>,
-) -> Result<(), BuildError> {
-    if u32::try_from(mesh.indices.len()).is_err() {
-        return Err(BuildError::TooManyPrimitives);
-    }
-    let start = references.len();
-    references.resize(start + mesh.indices.len(), Reference::NOTHING);
-    let outcomes: Vec<Result<usize, BuildError>> = references[start..]
-        .par_chunks_mut(CHUNK)
-        .zip(mesh.indices.par_chunks(CHUNK))
-        .enumerate()
-        .map(|(chunk, (references, indices))| {
-            let mut left_out = 0;
-            for (primitive, (reference, indices)) in
-                ((chunk * CHUNK) as u32..).zip(references.iter_mut().zip(indices))
-            {
-                match triangle(geometry, primitive, indices, mesh)? {
-                    Some(triangle) => *reference = triangle,
-                    None => left_out += 1,
+    mesh: TriangleMeshView<'a>,
+    /// The first triangle.
+    first: u32,
+    count: usize,
+}
+
+impl Chunk<'_> {
+    /// A reference for each triangle; [`Reference::NOTHING`] for those without area, which come
+    /// last. The lowest triangle that cannot be goes to `faulty`, and has no area either.
+    fn references<'a>(
+        &'a self,
+        faulty: &'a Mutex<Option<(u32, u32)>>,
+    ) -> impl Iterator<Item = Reference> + 'a {
+        let first = self.first as usize;
+        let triangles = (self.first..).zip(&self.mesh.indices[first..first + self.count]);
+        let solid = triangles.filter_map(move |(primitive, indices)| {
+            match triangle(self.geometry, primitive, indices, &self.mesh) {
+                Ok(reference) => reference,
+                Err(_) => {
+                    let mut lowest = faulty.lock().unwrap_or_else(PoisonError::into_inner);
+                    let this = (self.geometry, primitive);
+                    *lowest = Some(lowest.map_or(this, |other| other.min(this)));
+                    None
                 }
             }
-            Ok(left_out)
-        })
-        .collect();
-    let mut left_out = 0;
-    for outcome in outcomes {
-        left_out += outcome?;
+        });
+        solid.chain(repeat(Reference::NOTHING)).take(self.count)
     }
-    if left_out > 0 {
-        let mut place = 0..;
-        references.retain(|reference| place.next() < Some(start) || !reference.is_nothing());
+}
+
+/// The references of triangles, with room for the others.
+fn collect_triangles(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>, BuildError> {
+    let mut chunks = Vec::new();
+    for (geometry, view) in (0_u32..).zip(geometries) {
+        let GeometryView::Triangles(mesh) = *view else { continue };
+        let end = u32::try_from(mesh.indices.len()).map_err(|_| BuildError::TooManyPrimitives)?;
+        chunks.extend((0..end).step_by(Reference::CHUNK).map(|first| {
+            let count = Reference::CHUNK.min((end - first) as usize);
+            Chunk { geometry, mesh, first, count }
+        }));
     }
-    Ok(())
+    let faulty = Mutex::new(None);
+    let others = geometries.iter().map(custom_count).sum();
+    let mut references =
+        concatenate(&chunks, others, |chunk| chunk.count, |chunk| chunk.references(&faulty));
+    if let Some((geometry, primitive)) = faulty.into_inner().unwrap_or_else(PoisonError::into_inner)
+        && let GeometryView::Triangles(mesh) = &geometries[geometry as usize]
+    {
+        triangle(geometry, primitive, &mesh.indices[primitive as usize], mesh)?;
+    }
+    // From the end on, so that what comes last is always a triangle, or itself to be removed.
+    let mut end = references.len();
+    for chunk in chunks.iter().rev() {
+        let start = end - chunk.count;
+        let left_out = references[start..end].iter().rev().take_while(|r| r.is_nothing()).count();
+        for place in (end - left_out..end).rev() {
+            references.swap_remove(place);
+        }
+        end = start;
+    }
+    Ok(references)
 }
 
 /// One triangle's reference, or `None` where it has no area.

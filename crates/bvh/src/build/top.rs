@@ -6,12 +6,11 @@
 //! room of a million triangles rays meet a quarter fewer nodes, and it takes a hundredth of the
 //! build. What lies deeper is built afterwards, so that nothing is done twice.
 
-use super::binned::{BinaryNode, Builder, Finished, PARALLEL, Task};
+use super::binned::{BinaryNode, Builder, PARALLEL, Task};
 use super::collapse::Costs;
 use super::extent::{Box4, Extent};
 use super::reference::Reference;
 use super::{MAX_TOP_DEPTH, reinsert};
-use crate::memory::vector_with_capacity;
 use crate::node::WIDTH;
 use crate::options::BuildOptions;
 use rayon::prelude::*;
@@ -56,8 +55,52 @@ struct Part {
     extent: Extent,
 }
 
-/// A part's own tree.
-type Subtree = (Vec<BinaryNode>, Finished);
+/// The binary tree: that of the top, whose leaves stand for parts, and that of each part.
+pub(super) struct Tree {
+    top: Vec<BinaryNode>,
+    parts: Vec<Vec<BinaryNode>>,
+}
+
+/// Where a node of the tree is.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Place {
+    /// [`Place::TOP`] for nodes of the top.
+    part: u32,
+    index: u32,
+}
+
+impl Place {
+    const TOP: u32 = u32::MAX;
+
+    /// Whether the node is above all parts.
+    pub(super) fn is_top(self) -> bool {
+        self.part == Self::TOP
+    }
+}
+
+impl Tree {
+    /// Where the root is, if there are any references.
+    pub(super) fn root(&self) -> Option<Place> {
+        (!self.top.is_empty()).then(|| self.enter(Place { part: Place::TOP, index: 0 }))
+    }
+
+    pub(super) fn node(&self, place: Place) -> &BinaryNode {
+        let nodes = if place.is_top() { &self.top } else { &self.parts[place.part as usize] };
+        &nodes[place.index as usize]
+    }
+
+    /// Where the children of a node are that is no leaf.
+    pub(super) fn children(&self, place: Place) -> [Place; 2] {
+        let right = place.index + self.node(place).right;
+        [place.index + 1, right].map(|index| self.enter(Place { index, ..place }))
+    }
+
+    /// The root of the part instead of the leaf of the top that stands for it.
+    fn enter(&self, place: Place) -> Place {
+        let node = self.node(place);
+        if place.is_top() && node.right == 0 { Place { part: node.first, index: 0 } } else { place }
+    }
+}
 
 /// The root comes first, and parts are in the order of their references.
 #[derive(Default)]
@@ -66,17 +109,14 @@ struct Top {
     parts: Vec<Part>,
 }
 
-/// Builds the tree and orders the references by its leaves. The root is first. Also says what the
-/// tree costs, in half areas times blocks.
-pub(super) fn build(
-    references: &mut [Reference],
-    options: &BuildOptions,
-) -> (Vec<BinaryNode>, f32) {
+/// Builds the tree and orders the references of every part by its leaves. Also says what the tree
+/// costs, in half areas times blocks.
+pub(super) fn build(references: &mut [Reference], options: &BuildOptions) -> (Tree, f32) {
     if references.is_empty() {
-        return (Vec::new(), 0.0);
+        return (Tree { top: Vec::new(), parts: Vec::new() }, 0.0);
     }
     let builder = Builder::new(options);
-    let extent = Extent::of(references);
+    let extent = Extent::of_many(references);
     let reference_count = references.len();
     let mut top = Top::default();
     let part_count = (reference_count / REFERENCES_PER_PART).min(MAX_PARTS);
@@ -90,10 +130,9 @@ pub(super) fn build(
         top.nodes = before;
         depths = top.depths();
     }
-    let mut subtrees = top.build_parts(&builder, references, &depths);
-    let below: usize = subtrees.iter().map(|(nodes, _)| nodes.len()).sum();
-    let mut tree = vector_with_capacity(top.nodes.len() + below);
-    let costs = top.emit(0, builder.node_cost, &mut subtrees, &mut tree);
+    let (parts, part_costs) = top.build_parts(&builder, references, &depths);
+    let mut tree = Tree { top: Vec::with_capacity(top.nodes.len()), parts };
+    let costs = top.emit(0, builder.node_cost, &part_costs, &mut tree.top);
     (tree, costs.single())
 }
 
@@ -167,13 +206,13 @@ impl Top {
         depths
     }
 
-    /// Builds the tree of every part.
+    /// Builds the tree of every part, and says what each costs.
     fn build_parts(
         &self,
         builder: &Builder,
         references: &mut [Reference],
         depths: &[usize],
-    ) -> Vec<Subtree> {
+    ) -> (Vec<Vec<BinaryNode>>, Vec<Costs>) {
         let mut first = 0;
         let mut rest = references;
         let mut tasks = Vec::with_capacity(self.parts.len());
@@ -187,33 +226,33 @@ impl Top {
             .map(|task| {
                 let mut nodes = Vec::with_capacity(1 + task.references.len() / 3);
                 let finished = builder.build(task, &mut nodes);
-                (nodes, finished)
+                (nodes, finished.costs)
             })
-            .collect()
+            .unzip()
     }
 
-    /// Appends a node and everything below it. The recursion is at most [`MAX_TOP_DEPTH`] deep.
+    /// Appends a node and everything below it in the top. The recursion is at most
+    /// [`MAX_TOP_DEPTH`] deep.
     fn emit(
         &self,
         index: u32,
         node_cost: f32,
-        subtrees: &mut [Subtree],
+        part_costs: &[Costs],
         tree: &mut Vec<BinaryNode>,
     ) -> Costs {
         let node = &self.nodes[index as usize];
+        let place = tree.len();
         let [left, right] = match node.below {
             Below::Nodes(children) => children,
             Below::Part(part) => {
-                let (nodes, finished) = &mut subtrees[part as usize];
-                tree.append(&mut std::mem::take(nodes));
-                return finished.costs;
+                tree.push(BinaryNode::new(&node.bounds, part as usize, 0));
+                return part_costs[part as usize];
             }
         };
-        let place = tree.len();
         tree.push(BinaryNode::new(&node.bounds, 0, 0));
-        let left = self.emit(left, node_cost, subtrees, tree);
+        let left = self.emit(left, node_cost, part_costs, tree);
         let right_place = tree.len();
-        let right = self.emit(right, node_cost, subtrees, tree);
+        let right = self.emit(right, node_cost, part_costs, tree);
         // More than any leaf holds: its references may lie apart.
         let counts = (usize::MAX, 0);
         let (costs, plan) = Costs::combine([&left, &right], node.area(), node_cost, counts);
