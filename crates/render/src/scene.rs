@@ -192,6 +192,13 @@ pub(crate) fn choose_evenly<R: Real>(random: R, count: usize) -> (R, R) {
     (index, (scaled - index).min(random.like(1.0 - f32::EPSILON)))
 }
 
+/// Each of these once, however many share it.
+fn distinct<T>(mut shared: Vec<&Arc<T>>) -> Vec<&Arc<T>> {
+    shared.sort_by_key(|one| Arc::as_ptr(one));
+    shared.dedup_by_key(|one| Arc::as_ptr(one));
+    shared
+}
+
 impl Scene {
     pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
         let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
@@ -472,7 +479,7 @@ impl Scene {
             tree_bytes: self.bvh.memory_bytes()
                 + self.groups.iter().map(|group| group.bvh.memory_bytes()).sum::<usize>()
                 + size_of_val(self.instances.as_slice()),
-            texture_bytes: self.textures.iter().map(Texture::memory_bytes).sum(),
+            texture_bytes: self.texture_bytes(),
             media: self.media.len(),
             volume_bytes: self.volume_bytes(),
             ..SceneStatistics::default()
@@ -498,14 +505,18 @@ impl Scene {
         statistics
     }
 
+    fn texture_bytes(&self) -> usize {
+        let texels = distinct(self.textures.iter().filter_map(Texture::texels).collect());
+        self.textures.iter().map(Texture::memory_bytes).sum::<usize>()
+            + texels.iter().map(|texels| texels.memory_bytes()).sum::<usize>()
+    }
+
     fn volume_bytes(&self) -> usize {
         let mut grids = Vec::new();
         self.media.iter().for_each(|medium| medium.collect_grids(&mut grids));
         self.textures.iter().for_each(|texture| texture.collect_grids(&mut grids));
-        grids.sort_by_key(|grid| Arc::as_ptr(grid));
-        grids.dedup_by_key(|grid| Arc::as_ptr(grid));
-        let bounds: usize = self.media.iter().map(Medium::memory_bytes).sum();
-        bounds + grids.iter().map(|grid| grid.memory_bytes()).sum::<usize>()
+        self.media.iter().map(Medium::memory_bytes).sum::<usize>()
+            + distinct(grids).iter().map(|grid| grid.memory_bytes()).sum::<usize>()
     }
 
     /// The nearest hit with one of the analytic shapes.

@@ -9,6 +9,7 @@ use etendue_document::{Fault, Parameters};
 use etendue_image::{Bitmap, ImageError};
 use etendue_spectrum::Spectrum;
 use glam::{Affine2, Vec2};
+use std::sync::Arc;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -98,46 +99,82 @@ pub struct BitmapOptions {
 /// A picture over the unit square: (0, 0) is the left upper corner of the first texel, v runs down.
 #[derive(Clone, Debug)]
 pub struct BitmapTexture {
-    texels: Texels,
+    /// Shared by all textures that take the same of one file.
+    texels: Arc<Texels>,
     filter: FilterMode,
     wrap: WrapMode,
     to_uv: Affine2,
-    mean: Spectrum,
 }
 
 /// Reads the texture.
 #[must_use]
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<BitmapTexture> {
-    load(builder.assets, parameters)
+    load(builder.assets, std::slice::from_ref(parameters)).pop().flatten()
 }
 
-/// Reads the texture, with nothing but files to depend on: several can be read at once.
+/// Reads textures that name the same file, which is decoded once. With nothing but files to depend
+/// on: several can be read at once.
 #[must_use]
-pub fn load(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<BitmapTexture> {
-    let options = BitmapOptions::read(parameters);
-    let (path, bytes) = assets.read_file(parameters, "filename")?;
-    let bitmap = match etendue_image::decode(&bytes, &path.to_string_lossy()) {
+pub fn load(assets: &Assets<'_>, all: &[Parameters<'_>]) -> Vec<Option<BitmapTexture>> {
+    let options: Vec<_> = all.iter().map(BitmapOptions::read).collect();
+    // Where there is no such file, each has it reported.
+    let file = all.iter().find_map(|parameters| assets.read_file(parameters, "filename"));
+    let Some((path, bytes)) = file else { return vec![None; all.len()] };
+    let bitmap = etendue_image::decode(&bytes, &path.to_string_lossy());
+    drop(bytes);
+    let bitmap = match bitmap {
         Ok(bitmap) => bitmap,
         Err(error) => {
             let message = format!("{}: {error}", path.display());
-            parameters.error(fault(&error), "filename", message);
-            return None;
+            for parameters in all {
+                parameters.error(fault(&error), "filename", message.as_str());
+            }
+            return vec![None; all.len()];
         }
     };
-    let texture = BitmapTexture::new(bitmap, &options?);
-    match &texture {
-        None => {
+    let taken = take(bitmap, &options);
+    let texture = |(parameters, options): (&Parameters<'_>, Option<BitmapOptions>)| {
+        let options = options?;
+        let (_, texels) = taken.iter().find(|(selection, _)| *selection == options.selection())?;
+        let Some(texels) = texels else {
             let message = format!("{} has no such channel", path.display());
             parameters.error(Fault::BadValue, "channel", message);
-        }
+            return None;
+        };
         // A sum that holds one of them is none of a number.
-        Some(texture) if !texture.mean.is_finite() => {
+        if texels.are_floats() && !texels.mean().is_finite() {
             let message = format!("{} holds values that are no finite numbers", path.display());
             parameters.warning(Fault::BadValue, "filename", message);
         }
-        Some(_) => {}
+        Some(BitmapTexture::of(texels.clone(), &options))
+    };
+    all.iter().zip(options).map(texture).collect()
+}
+
+/// What a texture takes of a picture: which channel, and whether its numbers are taken as they are.
+type Selection = (Option<Channel>, bool);
+
+/// The texels of a picture for everything that is asked for; `None` where there is no such channel.
+fn take(
+    bitmap: Bitmap,
+    options: &[Option<BitmapOptions>],
+) -> Vec<(Selection, Option<Arc<Texels>>)> {
+    let mut selections = Vec::new();
+    for selection in options.iter().flatten().map(BitmapOptions::selection) {
+        if !selections.contains(&selection) {
+            selections.push(selection);
+        }
     }
-    texture
+    // Mostly there is one, which needs no copy.
+    let mut copies = vec![bitmap];
+    while copies.len() < selections.len() {
+        copies.push(copies[0].clone());
+    }
+    let texels = |(selection, bitmap): (Selection, _)| {
+        let (channel, raw) = selection;
+        (selection, Texels::new(bitmap, channel, raw).map(Arc::new))
+    };
+    selections.into_iter().zip(copies).map(texels).collect()
 }
 
 /// Whose fault it is that a picture cannot be read.
@@ -150,6 +187,10 @@ fn fault(error: &ImageError) -> Fault {
 }
 
 impl BitmapOptions {
+    fn selection(&self) -> Selection {
+        (self.channel, self.raw)
+    }
+
     /// Reads everything but the file; `None` after an error has been reported.
     fn read(parameters: &Parameters<'_>) -> Option<Self> {
         const FILTERS: [(&str, FilterMode); 2] =
@@ -203,8 +244,12 @@ impl BitmapTexture {
     #[must_use]
     pub fn new(bitmap: Bitmap, options: &BitmapOptions) -> Option<Self> {
         let texels = Texels::new(bitmap, options.channel, options.raw)?;
+        Some(Self::of(Arc::new(texels), options))
+    }
+
+    fn of(texels: Arc<Texels>, options: &BitmapOptions) -> Self {
         let BitmapOptions { filter, wrap, to_uv, .. } = *options;
-        Some(Self { mean: texels.mean(), texels, filter, wrap, to_uv })
+        Self { texels, filter, wrap, to_uv }
     }
 
     /// The colour at `uv`; grey where the picture is.
@@ -262,7 +307,7 @@ impl BitmapTexture {
     /// The mean colour of all texels.
     #[must_use]
     pub fn mean(&self) -> Spectrum {
-        self.mean
+        self.texels.mean()
     }
 
     /// Columns and rows.
@@ -284,10 +329,9 @@ impl BitmapTexture {
         self.texels.scalars([row as usize * self.texels.width as usize + column as usize])[0]
     }
 
-    /// How many bytes of memory the texels take.
-    #[must_use]
-    pub fn memory_bytes(&self) -> usize {
-        self.texels.memory_bytes()
+    /// The texels, which other textures may show as well.
+    pub(crate) fn texels(&self) -> &Arc<Texels> {
+        &self.texels
     }
 
     /// The index of the texel at `uv`.
@@ -303,7 +347,7 @@ impl BitmapTexture {
     #[inline]
     fn footprint(&self, uv: Vec2) -> Footprint {
         let uv = self.to_uv.transform_point2(uv);
-        let Texels { width, height, .. } = self.texels;
+        let Texels { width, height, .. } = *self.texels;
         let x = self.wrap.neighbours(uv.x, width);
         let y = self.wrap.neighbours(uv.y, height);
         let (upper, lower) = (y.low * width as usize, y.high * width as usize);

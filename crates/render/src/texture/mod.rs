@@ -22,6 +22,7 @@ use crate::volume::gridvolume::GridVolume;
 use etendue_spectrum::Spectrum;
 use glam::Vec2;
 use std::sync::Arc;
+use texels::Texels;
 
 /// A texture of the scene.
 #[derive(Clone, Debug)]
@@ -43,18 +44,26 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Bytes of memory held beside the texture itself, but for a volume's grid, which others may hold
-    /// as well.
+    /// Bytes of memory held beside the texture itself, but for a picture's texels and a volume's grid,
+    /// which others may hold as well.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         match self {
             Self::Constant(_)
+            | Self::Bitmap(_)
             | Self::Checkerboard(_)
             | Self::Grid(_)
             | Self::Scale(_)
             | Self::Volume(_) => 0,
-            Self::Bitmap(texture) => texture.memory_bytes(),
             Self::MeshAttribute(texture) => texture.memory_bytes(),
+        }
+    }
+
+    /// The texels of the picture that the texture shows, if it shows one.
+    pub(crate) fn texels(&self) -> Option<&Arc<Texels>> {
+        match self {
+            Self::Bitmap(texture) => Some(texture.texels()),
+            _ => None,
         }
     }
 

@@ -3,10 +3,11 @@
 use etendue_image::srgb::{linear_of_srgb_u8, srgb_to_linear};
 use etendue_image::{Bitmap, Samples};
 use etendue_spectrum::Spectrum;
+use std::sync::OnceLock;
 
 /// A picture of one channel or of three, which keeps the memory that the file's precision needs.
 #[derive(Clone, Debug)]
-pub(super) struct Texels {
+pub(crate) struct Texels {
     pub(super) width: u32,
     pub(super) height: u32,
     /// Row by row from the top, channels side by side.
@@ -16,6 +17,8 @@ pub(super) struct Texels {
     narrow_codes: &'static [f32; 256],
     /// What the codes of 16-bit samples mean; empty for others.
     wide_codes: Vec<f32>,
+    /// See [`Texels::mean`]; few ask for it.
+    mean: OnceLock<Spectrum>,
 }
 
 /// The channel that a picture of one channel is made of.
@@ -72,7 +75,13 @@ impl Texels {
             samples: keep_channels(bitmap.samples, stride, kept),
             narrow_codes: if encoded { linear_of_srgb_u8() } else { &FRACTIONS },
             wide_codes,
+            mean: OnceLock::new(),
         })
+    }
+
+    /// Whether the file holds floating-point numbers, which need not be finite.
+    pub(super) fn are_floats(&self) -> bool {
+        matches!(self.samples, Samples::F16(_) | Samples::F32(_))
     }
 
     /// Whether there is one channel only.
@@ -82,7 +91,7 @@ impl Texels {
     }
 
     /// How many bytes of memory the texels take.
-    pub(super) fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         let sample = match self.samples {
             Samples::U8(_) => 1,
             Samples::U16(_) | Samples::F16(_) => 2,
@@ -125,17 +134,44 @@ impl Texels {
 
     /// The mean colour.
     pub(super) fn mean(&self) -> Spectrum {
-        let columns = self.width as usize;
-        let mut sum = [0.0_f64; 3];
-        for row in 0..self.height as usize {
-            for column in 0..columns {
-                let [color] = self.colors([row * columns + column]);
-                let [red, green, blue] = color.rgb().map(f64::from);
-                sum = [sum[0] + red, sum[1] + green, sum[2] + blue];
+        *self.mean.get_or_init(|| {
+            let sums = match &self.samples {
+                Samples::U8(samples) => self.code_sums(samples, self.narrow_codes),
+                Samples::U16(samples) => self.code_sums(samples, &self.wide_codes),
+                Samples::F16(_) | Samples::F32(_) => self.color_sums(),
+            };
+            let count = f64::from(self.width) * f64::from(self.height);
+            Spectrum::from_rgb(sums.map(|sum| (sum / count) as f32))
+        })
+    }
+
+    /// The sums of all texels by channel, from how often there is each code.
+    fn code_sums<C: Copy + Into<usize>>(&self, samples: &[C], values: &[f32]) -> [f64; 3] {
+        let channels = if self.is_grey { 1 } else { 3 };
+        let mut counts = vec![[0_u64; 3]; values.len()];
+        for texel in samples.chunks_exact(channels) {
+            for (channel, &code) in texel.iter().enumerate() {
+                counts[code.into()][channel] += 1;
             }
         }
-        let count = f64::from(self.width) * f64::from(self.height);
-        Spectrum::from_rgb(sum.map(|sum| (sum / count) as f32))
+        let mut sums = [0.0_f64; 3];
+        for (counts, &value) in counts.iter().zip(values) {
+            for (sum, &count) in sums.iter_mut().zip(counts) {
+                *sum += count as f64 * f64::from(value);
+            }
+        }
+        if self.is_grey { [sums[0]; 3] } else { sums }
+    }
+
+    /// The sums of all texels by channel.
+    fn color_sums(&self) -> [f64; 3] {
+        let mut sum = [0.0_f64; 3];
+        for index in 0..self.width as usize * self.height as usize {
+            let [color] = self.colors([index]);
+            let [red, green, blue] = color.rgb().map(f64::from);
+            sum = [sum[0] + red, sum[1] + green, sum[2] + blue];
+        }
+        sum
     }
 }
 

@@ -122,7 +122,7 @@ fn alpha_is_left_out_unless_it_is_asked_for() {
     let color = || Samples::U8(vec![255, 0, 0, 51]);
     let texture = single(color(), 4, &of(None)).expect("a sound picture");
     assert_eq!(texture.eval(Vec2::ZERO).rgb(), [1.0, 0.0, 0.0]);
-    assert_eq!(texture.memory_bytes(), 3, "and takes no memory");
+    assert_eq!(texture.texels.memory_bytes(), 3, "and takes no memory");
     let scalar = |samples, channels, channel| {
         single(samples, channels, &of(channel)).map(|texture| texture.eval_scalar(Vec2::ZERO))
     };
