@@ -4,10 +4,10 @@
 const POWERS_OF_TEN: [u64; 9] =
     [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
 
-/// All powers of ten that are exact in double precision.
-const EXACT_POWERS_OF_TEN: [f64; 23] = [
+/// As many powers of ten as a fraction of [`DIGITS_OF_U64`] needs, all exact in double precision.
+const EXACT_POWERS_OF_TEN: [f64; DIGITS_OF_U64 + 1] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+    1e17, 1e18, 1e19,
 ];
 
 /// As many digits always fit a `u64`.
@@ -29,47 +29,65 @@ pub(crate) fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     Some((if negative { -magnitude } else { magnitude }, end))
 }
 
+/// [`parse_integer`] for one to seven digits without a sign that are not the end of the text: by far
+/// the most indices. `None` for all others.
+#[inline(always)]
+pub(crate) fn parse_short_integer(bytes: &[u8]) -> Option<(u32, usize)> {
+    let (value, length) = digit_run(u64::from_le_bytes(*bytes.first_chunk()?));
+    (1..8).contains(&length).then_some((value as u32, length))
+}
+
 /// The single-precision number nearest to the decimal at the start of `bytes` (ties to even), and
 /// how many bytes it takes. Reads what `str::parse` reads, `inf` and `nan` included.
-///
-/// A mantissa m < 2⁵³ and a power of ten up to 10²² are both exact in double precision, so m·10ᵏ or
-/// m/10ᵏ is rounded once (Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990).
-/// Rounding that a second time, to single precision, is right too unless the double lies exactly
-/// between two singles, where the first rounding may have hidden on which side the decimal is.
-/// That case, subnormal results and long mantissas go to the general algorithm.
 #[inline]
 pub(crate) fn parse_float(bytes: &[u8]) -> Option<(f32, usize)> {
-    match parse_exact(bytes) {
+    match parse_plain_float(bytes) {
         Some(found) => Some(found),
         None => fast_float2::parse_partial::<f32, _>(bytes).ok().filter(|&(_, end)| end > 0),
     }
 }
 
-#[inline]
-fn parse_exact(bytes: &[u8]) -> Option<(f32, usize)> {
-    let (negative, start) = sign(bytes);
-    let (mut mantissa, mut end) = digits(bytes, start, 0);
-    let mut digit_count = end - start;
-    let mut exponent = 0_i64;
-    if bytes.get(end) == Some(&b'.') {
-        let fraction_start = end + 1;
-        (mantissa, end) = digits(bytes, fraction_start, mantissa);
-        let fraction_digits = end - fraction_start;
-        digit_count += fraction_digits;
-        exponent = -(fraction_digits as i64);
+/// [`parse_float`] for decimals without an exponent that are not the end of the text: by far the most
+/// numbers. `None` for all others, and for a few that cannot be told apart so quickly.
+///
+/// A mantissa m < 2⁵³ and a power of ten up to 10²² are both exact in double precision, so m/10ᵏ is
+/// rounded once (Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990). Rounding that
+/// a second time, to single precision, is right too unless the double lies exactly between two
+/// singles, where the first rounding may have hidden on which side the decimal is.
+#[inline(always)]
+pub(crate) fn parse_plain_float(bytes: &[u8]) -> Option<(f32, usize)> {
+    // A sign, a point and three runs of digits at most: nothing below is out of bounds.
+    let window = bytes.first_chunk::<32>()?;
+    let run = |place: usize| {
+        let characters = window.get(place..place + 8)?.first_chunk()?;
+        Some(digit_run(u64::from_le_bytes(*characters)))
+    };
+    let negative = window[0] == b'-';
+    let start = usize::from(negative);
+    let (mut mantissa, whole_digits) = run(start)?;
+    let mut end = start + whole_digits;
+    let mut fraction_digits = 0;
+    if window[end] == b'.' {
+        let first = end + 1;
+        let (value, length) = run(first)?;
+        mantissa = mantissa * POWERS_OF_TEN[length] + value;
+        end = first + length;
+        if length == 8 {
+            let (value, length) = run(end)?;
+            mantissa = mantissa.wrapping_mul(POWERS_OF_TEN[length]).wrapping_add(value);
+            end += length;
+        }
+        fraction_digits = end - first;
     }
-    if digit_count == 0 || digit_count > DIGITS_OF_U64 || mantissa > EXACT_INTEGERS {
+    let digits = whole_digits + fraction_digits;
+    let goes_on = matches!(window[end], b'0'..=b'9' | b'e' | b'E');
+    if goes_on || digits == 0 || digits > DIGITS_OF_U64 || mantissa > EXACT_INTEGERS {
         return None;
     }
-    if let Some(b'e' | b'E') = bytes.get(end) {
-        let (written, length) = parse_integer(&bytes[end + 1..])?;
-        exponent = exponent.checked_add(written)?;
-        end += 1 + length;
-    }
-    let power = *EXACT_POWERS_OF_TEN.get(usize::try_from(exponent.unsigned_abs()).ok()?)?;
-    let double = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
-    let single = round_once_more(double)?;
-    Some((if negative { -single } else { single }, end))
+    // Signed, because from unsigned numbers there is no conversion in one instruction.
+    let double = mantissa as i64 as f64 / EXACT_POWERS_OF_TEN[fraction_digits];
+    let magnitude = round_once_more(double)?;
+    Some((f32::from_bits(magnitude.to_bits() | u32::from(negative) << 31), end))
 }
 
 /// The single nearest to a double that is itself a rounded number; `None` where that cannot be

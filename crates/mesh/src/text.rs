@@ -1,7 +1,7 @@
 //! A cursor over the bytes of a text format that knows its line.
 
 use crate::error::{MeshError, MeshErrorKind};
-use crate::number::{parse_float, parse_integer};
+use crate::number::{parse_float, parse_integer, parse_plain_float, parse_short_integer};
 use memchr::memchr2;
 
 /// A place in a text. Lines end in LF, CRLF or CR; a backslash before the end of a line joins it
@@ -125,9 +125,22 @@ impl<'a> TextCursor<'a> {
     /// # Errors
     ///
     /// A [`MeshErrorKind::Syntax`] error that calls the number `what`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn float(&mut self, what: &str) -> Result<f32, MeshError> {
-        match parse_float(&self.bytes[self.position..]) {
+        match parse_plain_float(self.rest()) {
+            Some((value, length)) if self.is_delimiter(self.position + length) => {
+                self.position += length;
+                self.skip_blanks();
+                Ok(value)
+            }
+            _ => self.any_float(what),
+        }
+    }
+
+    /// [`TextCursor::float`] for all notations.
+    #[inline(never)]
+    fn any_float(&mut self, what: &str) -> Result<f32, MeshError> {
+        match parse_float(self.rest()) {
             Some((value, length)) if self.is_delimiter(self.position + length) => {
                 self.position += length;
                 self.skip_blanks();
@@ -137,12 +150,18 @@ impl<'a> TextCursor<'a> {
         }
     }
 
+    /// An integer of one to seven digits without a sign, not taken, and how many digits; `None` where
+    /// there is another or none.
+    #[inline(always)]
+    pub(crate) fn peek_short_integer(&self) -> Option<(u32, usize)> {
+        parse_short_integer(self.rest())
+    }
+
     /// An integer, taken alone.
     ///
     /// # Errors
     ///
     /// A [`MeshErrorKind::Syntax`] error that calls the number `what`.
-    #[inline]
     pub(crate) fn integer(&mut self, what: &str) -> Result<i64, MeshError> {
         match parse_integer(&self.bytes[self.position..]) {
             Some((value, length)) => {

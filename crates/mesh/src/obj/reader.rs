@@ -193,7 +193,7 @@ impl Reader {
     }
 
     /// One corner: `v`, `v/vt`, `v//vn`, `v/vt/vn`; also `v/` and `v//`, which some writers leave.
-    #[inline]
+    #[inline(always)]
     fn read_corner(&mut self, cursor: &mut TextCursor<'_>) -> Result<Corner, MeshError> {
         let position = self.read_index(cursor, List::Positions)?;
         let mut corner = Corner { position, uv: NONE, normal: NONE };
@@ -216,8 +216,24 @@ impl Reader {
     }
 
     /// An index into `list`, counted from zero, that has an element.
-    #[inline]
+    #[inline(always)]
     fn read_index(&mut self, cursor: &mut TextCursor<'_>, list: List) -> Result<u32, MeshError> {
+        if let Some((written, length)) = cursor.peek_short_integer()
+            && (1..=self.count(list)).contains(&(written as usize))
+        {
+            cursor.advance(length);
+            return Ok(written - 1);
+        }
+        self.read_any_index(cursor, list)
+    }
+
+    /// [`Reader::read_index`] in all notations.
+    #[inline(never)]
+    fn read_any_index(
+        &mut self,
+        cursor: &mut TextCursor<'_>,
+        list: List,
+    ) -> Result<u32, MeshError> {
         let written = cursor.integer("an index")?;
         let seen = self.seen[list as usize];
         let index = match written {

@@ -9,7 +9,7 @@ use etendue_math::with_lanes;
 use glam::Vec2;
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Entries over the cosine, from 0 to 1.
 const ENTRIES: usize = TABLE_ENTRIES;
@@ -65,8 +65,10 @@ impl CoatTable {
 
     /// The same numbers whatever the level.
     fn at_level(level: Level, coat: Coat) -> Self {
-        let points = [NODES_OUTSIDE, NODES_INSIDE].map(quadrature_points);
-        let points = [points[0].as_slice(), points[1].as_slice()];
+        /// From outside and from inside; they took as long as a table.
+        static POINTS: LazyLock<[Vec<(Vec2, f32)>; 2]> =
+            LazyLock::new(|| [NODES_OUTSIDE, NODES_INSIDE].map(quadrature_points));
+        let points = POINTS.each_ref().map(Vec::as_slice);
         with_lanes!(level, simd => Self::tabulate(simd, coat, points))
     }
 
@@ -252,8 +254,8 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let node = |index: usize| {
         let mut x = (PI * (index as f64 + 0.75) / (order + 0.5)).cos();
         let mut slope = 1.0;
-        // Four steps reach the last digit from this guess; the others are for safety.
-        for _ in 0..8 {
+        // Four steps reach the last digit from this guess; the other is for safety.
+        for _ in 0..5 {
             let (value, derivative) = legendre(count, x);
             slope = derivative;
             x -= value / derivative;
