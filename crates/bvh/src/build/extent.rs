@@ -41,7 +41,8 @@ impl Box4 {
 
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
-        let extent = self.extent();
+        // All negative, which the products make good again.
+        let extent = self.negated_max + self.min;
         extent.x * (extent.y + extent.z) + extent.y * extent.z
     }
 }
