@@ -161,7 +161,9 @@ mod tests {
     /// The standard library is the oracle; bits are compared, so the sign of zero counts.
     fn assert_as_std(text: &str) {
         let expected: f32 = text.parse().expect("the oracle reads it");
-        for padding in ["", " 123456789", "/12345678"] {
+        // The quick way is for numbers that are not the end of the text.
+        let long = " 123456789".repeat(4);
+        for padding in ["", " 123456789", "/12345678", &long] {
             let padded = format!("{text}{padding}");
             let (value, end) = parse_float(padded.as_bytes()).expect(text);
             assert_eq!(end, text.len(), "{padded}");
@@ -220,6 +222,16 @@ mod tests {
         assert_eq!(parse_float(b"-inf"), Some((f32::NEG_INFINITY, 4)));
         for text in ["", "-", "x", "99999999999999999999", "9999999999999999999"] {
             assert_eq!(parse_integer(text.as_bytes()), None, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn short_integers_have_one_to_seven_digits_and_something_behind() {
+        assert_eq!(parse_short_integer(b"7/123456"), Some((7, 1)));
+        assert_eq!(parse_short_integer(b"1234567 "), Some((1_234_567, 7)));
+        assert_eq!(parse_short_integer(b"0000012//"), Some((12, 7)));
+        for text in ["12345678 ", "/1234567", "-1234567", "1234567", ""] {
+            assert_eq!(parse_short_integer(text.as_bytes()), None, "{text:?}");
         }
     }
 

@@ -157,6 +157,37 @@ impl<'a> TextCursor<'a> {
         parse_short_integer(self.rest())
     }
 
+    /// Whether the number of `length` digits (one to seven) at the cursor comes three times, with a
+    /// slash between each two, and nothing more: how writers with one list of vertices name the
+    /// corners of faces.
+    #[inline(always)]
+    pub(crate) fn is_threefold(&self, length: usize) -> bool {
+        let after = length + 1;
+        let characters = |place: usize| {
+            let chunk = self.bytes.get(self.position + place..)?.first_chunk()?;
+            Some(u64::from_le_bytes(*chunk))
+        };
+        let (Some(first), Some(second), Some(third)) =
+            (characters(0), characters(after), characters(2 * after))
+        else {
+            return false;
+        };
+        // What differs from the digits with a slash behind them.
+        let digits = !(u64::MAX << (8 * length));
+        let slash = u64::from(b'/') << (8 * length);
+        let digits_and_slash = digits | u64::from(u8::MAX) << (8 * length);
+        let expected = first & digits | slash;
+        let differs = ((first ^ expected) | (second ^ expected)) & digits_and_slash
+            | (third ^ expected) & digits;
+        differs == 0 && self.is_delimiter(self.position + Self::threefold(length))
+    }
+
+    /// How many bytes a number of `length` digits takes three times.
+    #[inline(always)]
+    pub(crate) fn threefold(length: usize) -> usize {
+        3 * length + 2
+    }
+
     /// An integer, taken alone.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ use etendue_mesh::{
 };
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
+use std::fmt::Write;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
@@ -45,6 +46,49 @@ fn every_form_of_corner_is_read() {
         let normals = [Vec3::Z * 2.0; 3];
         assert_eq!(mesh.normals, if has_normals { &normals[..] } else { &[] }, "{face}");
     }
+}
+
+#[test]
+fn corners_are_what_they_say_whether_their_indices_agree_or_not() {
+    const COUNT: usize = 12_345;
+    let mut text = String::new();
+    for index in 0..COUNT {
+        write!(text, "v {index} 0 0\nvt {index}.0 0\nvn {index}.00 0 1\n").expect("memory");
+    }
+    let mut expected = Vec::new();
+    let mut random = 1_u64;
+    for _ in 0..4_000 {
+        text.push('f');
+        for _ in 0..3 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let [v, wanted] = [random >> 33, random >> 20].map(|bits| bits as usize % COUNT + 1);
+            // Some begin alike: 12/12/123.
+            let longer = if v * 10 <= COUNT { v * 10 } else { wanted };
+            let (vt, vn) = match random >> 60 {
+                0..8 => (v, v),
+                8..10 => (v, longer),
+                10..12 => (longer, v),
+                12..14 => (longer, longer),
+                _ => (wanted, v),
+            };
+            write!(text, " {v}/{vt}/{vn}").expect("memory");
+            expected.push([v, vt, vn].map(|index| (index - 1) as f32));
+        }
+        text.push('\n');
+    }
+    let mesh = read(&text).mesh;
+    let corners = mesh.indices.as_flattened().iter().map(|&vertex| vertex as usize);
+    let found = corners
+        .map(|vertex| [mesh.positions[vertex].x, mesh.uvs[vertex].x, mesh.normals[vertex].x]);
+    assert!(found.eq(expected));
+}
+
+#[test]
+fn an_index_that_agrees_must_be_in_all_three_lists() {
+    let text =
+        format!("{TRIANGLE}vt 0 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/2 3/3/3 # comment behind\n");
+    let message = "normal index 2 is out of range: there are 1 normals".to_owned();
+    assert_eq!(error(&text), (MeshErrorKind::OutOfRange, Some(7), message));
 }
 
 #[test]

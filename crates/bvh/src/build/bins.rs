@@ -67,11 +67,8 @@ impl Bins {
     #[inline(always)]
     pub(super) fn new(count: usize) -> Self {
         // Not emptied one by one: that was followed by a copy of all.
-        const EMPTY: Bins = Bins {
-            count: 0,
-            boxes: [[Box4::EMPTY; MAX_BINS]; 3],
-            counts: [[0; MAX_BINS]; 3],
-        };
+        const EMPTY: Bins =
+            Bins { count: 0, boxes: [[Box4::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
         Self { count, ..EMPTY }
     }
 

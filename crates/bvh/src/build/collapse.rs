@@ -195,7 +195,11 @@ impl Wide {
             }),
             custom: pieces.iter().flat_map(|(piece, _)| &piece.custom).copied().collect(),
             triangle_count: pieces.iter().map(|(piece, _)| piece.triangle_count).sum(),
-            block_ranges: pieces.iter().flat_map(|(piece, _)| &piece.block_ranges).copied().collect(),
+            block_ranges: pieces
+                .iter()
+                .flat_map(|(piece, _)| &piece.block_ranges)
+                .copied()
+                .collect(),
         }
     }
 

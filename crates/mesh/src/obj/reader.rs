@@ -195,6 +195,15 @@ impl Reader {
     /// One corner: `v`, `v/vt`, `v//vn`, `v/vt/vn`; also `v/` and `v//`, which some writers leave.
     #[inline(always)]
     fn read_corner(&mut self, cursor: &mut TextCursor<'_>) -> Result<Corner, MeshError> {
+        let common_count = self.positions.len().min(self.uvs.len()).min(self.normals.len());
+        if let Some((written, length)) = cursor.peek_short_integer()
+            && cursor.is_threefold(length)
+            && (1..=common_count).contains(&(written as usize))
+        {
+            cursor.advance(TextCursor::threefold(length));
+            let index = written - 1;
+            return Ok(Corner { position: index, uv: index, normal: index });
+        }
         let position = self.read_index(cursor, List::Positions)?;
         let mut corner = Corner { position, uv: NONE, normal: NONE };
         if cursor.peek() == Some(b'/') {

@@ -53,6 +53,8 @@ impl Weld {
     ) -> Result<u32, MeshError> {
         if self.first_at.len() < position_count {
             self.first_at.resize(position_count, NONE);
+            // There are mostly about as many vertices.
+            self.entries.reserve(position_count.saturating_sub(self.entries.len()));
         }
         let first = self.first_at[corner.position as usize];
         if first == NONE {
