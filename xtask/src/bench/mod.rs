@@ -134,7 +134,7 @@ fn render(arguments: &Arguments) -> Result<(), String> {
 struct Measured {
     /// Millions of samples per second.
     rate: f64,
-    /// Until the first sample; for Etendue also what it takes to write the picture.
+    /// Until the first sample; for Etendue also what it takes to start the process.
     load_seconds: f64,
     /// The most memory that the process ever had.
     peak_megabytes: f64,
@@ -152,7 +152,7 @@ fn print_measured(name: &str, own: &[Measured], theirs: &[Measured]) {
     let [own, theirs] = [own, theirs]
         .map(|rounds| measures.map(|measure| median(column(rounds, measure)).unwrap_or(f64::NAN)));
     println!(
-        "{name:<14}{:>10.3}{:>10.3}{:>8.2}{:>12.2}{:>8.2}{:>12.0}{:>8.0}",
+        "{name:<14}{:>10.3}{:>10.3}{:>8.2}{:>12.3}{:>8.3}{:>12.0}{:>8.0}",
         own[0],
         theirs[0],
         own[0] / theirs[0],
@@ -172,10 +172,9 @@ fn measure(scene: &Scene, folder: &Path, threads: u32) -> Result<Measured, Strin
     };
     let [few, many] = scene.counts;
     let (short, long) = (render(few)?, render(many)?);
-    let rendering = scene.millions(many) * 1e6 / long.samples_per_second;
     Ok(Measured {
         rate: scene.millions_between() / (long.wall_seconds - short.wall_seconds),
-        load_seconds: long.wall_seconds - rendering,
+        load_seconds: long.load_seconds,
         peak_megabytes: long.peak_megabytes,
     })
 }

@@ -1,9 +1,10 @@
 //! `etendue render` as a process of its own: how long it takes, how fast it is, how much memory it
 //! needs.
 
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -29,6 +30,8 @@ pub(super) struct Job<'a> {
 pub(super) struct Figures {
     /// From the start of the process to its end, in seconds.
     pub(super) wall_seconds: f64,
+    /// From the start of the process until it said that it begins to render.
+    pub(super) load_seconds: f64,
     /// While it rendered, loading left out.
     pub(super) samples_per_second: f64,
     /// The most memory that it ever had, as the system counts it: the program itself, which is mapped,
@@ -63,6 +66,9 @@ pub(super) fn start(job: &Job<'_>, name: &str) -> Result<Running, String> {
 impl Running {
     /// Waits for its end.
     pub(super) fn finish(mut self) -> Result<Figures, String> {
+        let started = self.started;
+        let news = self.child.stdout.take().ok_or("the render has no output")?;
+        let listener = thread::spawn(move || listen(news, started));
         let status = format!("/proc/{}/status", self.child.id());
         let mut peak_megabytes = f64::NAN;
         let outcome = loop {
@@ -76,17 +82,32 @@ impl Running {
         };
         let wall_seconds = self.started.elapsed().as_secs_f64();
         let _ = std::fs::remove_file(&self.picture);
-        let mut printed = String::new();
-        if let Some(output) = &mut self.child.stdout {
-            output.read_to_string(&mut printed).map_err(|error| error.to_string())?;
-        }
+        let news = listener.join().map_err(|_| "the news were lost")??;
         if !outcome.success() {
             return Err(format!("the scene does not render: {outcome}"));
         }
         let samples_per_second =
-            rate(&printed).ok_or_else(|| format!("the render tells no rate:\n{printed}"))?;
-        Ok(Figures { wall_seconds, samples_per_second, peak_megabytes })
+            rate(&news.text).ok_or_else(|| format!("the render tells no rate:\n{}", news.text))?;
+        let load_seconds = news.first_after.as_secs_f64();
+        Ok(Figures { wall_seconds, load_seconds, samples_per_second, peak_megabytes })
     }
+}
+
+/// What a render has told of itself.
+struct News {
+    /// When the first line came, which says that the render begins.
+    first_after: Duration,
+    text: String,
+}
+
+/// Hears a render to the end.
+fn listen(news: impl Read, started: Instant) -> Result<News, String> {
+    let mut news = BufReader::new(news);
+    let mut text = String::new();
+    news.read_line(&mut text).map_err(|error| error.to_string())?;
+    let first_after = started.elapsed();
+    news.read_to_string(&mut text).map_err(|error| error.to_string())?;
+    Ok(News { first_after, text })
 }
 
 /// The rate in the last line of news that has one.

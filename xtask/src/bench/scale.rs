@@ -109,7 +109,7 @@ fn renders(arguments: &Arguments, broken: &mut Vec<String>) -> Result<Vec<Value>
             let figures = process::start(&job, "scale")?
                 .finish()
                 .map_err(|problem| format!("{count} {}: {problem}", kind.name()))?;
-            let Figures { wall_seconds, samples_per_second, peak_megabytes } = figures;
+            let Figures { wall_seconds, samples_per_second, peak_megabytes, .. } = figures;
             rows.push(json!({
                 "kind": kind.name(), "count": count, "threads": threads,
                 "wall_seconds": wall_seconds, "samples_per_second": samples_per_second,
