@@ -223,10 +223,11 @@ impl Top {
         }
         tasks
             .into_par_iter()
-            .map(|task| {
-                let mut nodes = Vec::with_capacity(1 + task.references.len() / 3);
-                let finished = builder.build(task, &mut nodes);
-                (nodes, finished.costs)
+            // What comes of a part is copied from memory that is at hand: just as much as there is.
+            .map_init(Vec::new, |nodes, task| {
+                nodes.clear();
+                let finished = builder.build(task, nodes);
+                (nodes.clone(), finished.costs)
             })
             .unzip()
     }
