@@ -121,20 +121,20 @@ impl Bins {
     /// as bits that is more than any cost. (Costs may be −0.)
     #[inline(always)]
     fn best_plane(&self) -> u64 {
-        let mut right_costs = [[0.0; MAX_BINS]; 3];
+        let mut right_costs = [[0.0; 3]; MAX_BINS];
         let mut sides = [Side::NOTHING; 3];
         for bin in (1..self.count).rev() {
             for (axis, side) in sides.iter_mut().enumerate() {
                 side.add(&self.boxes[axis][bin], self.counts[axis][bin]);
-                right_costs[axis][bin] = side.cost();
+                right_costs[bin][axis] = side.cost();
             }
         }
         let mut best = NO_PLANE;
         let mut sides = [Side::NOTHING; 3];
-        for bin in 1..self.count {
-            for (axis, side) in sides.iter_mut().enumerate() {
+        for (bin, right_costs) in right_costs.iter().enumerate().take(self.count).skip(1) {
+            for (axis, (side, right_cost)) in sides.iter_mut().zip(right_costs).enumerate() {
                 side.add(&self.boxes[axis][bin - 1], self.counts[axis][bin - 1]);
-                let cost = side.cost() + right_costs[axis][bin];
+                let cost = side.cost() + right_cost;
                 let place = (axis << AXIS_SHIFT | bin) as u64;
                 best = best.min(u64::from(cost.abs().to_bits()) << 32 | place);
             }

@@ -63,19 +63,6 @@ pub(super) struct Loaded<'a> {
     pub(super) textures: HashMap<NodeId, Decoded<'a>>,
 }
 
-/// What one thread does at a time.
-enum Job {
-    Shape(NodeId),
-    /// The textures that show one file.
-    Picture(Vec<NodeId>),
-}
-
-/// What comes of a [`Job`].
-enum Item<'a> {
-    Shape(NodeId, LoadedShape<'a>),
-    Textures(Vec<Decoded<'a>>),
-}
-
 impl<'a> Assets<'a> {
     /// Nothing read yet.
     #[must_use]
@@ -97,54 +84,50 @@ impl<'a> Assets<'a> {
 
     /// Builds the geometry of all shapes and decodes all pictures, several at once.
     pub(super) fn load(&self) -> Loaded<'_> {
-        let items: Vec<Item<'_>> = self
-            .jobs()
-            .par_iter()
-            // Sizes differ by a thousand: each job is stolen alone.
-            .with_max_len(1)
-            .map(|job| match job {
-                Job::Shape(node) => Item::Shape(*node, self.load_shape(*node)),
-                Job::Picture(nodes) => Item::Textures(self.load_textures(nodes)),
-            })
-            .collect();
-        let mut loaded = Loaded { geometry: HashMap::new(), textures: HashMap::new() };
-        for item in items {
-            match item {
-                Item::Shape(node, shape) => drop(loaded.geometry.insert(node, shape)),
-                Item::Textures(textures) => {
-                    for texture in textures {
-                        loaded.textures.insert(texture.parameters.node(), texture);
-                    }
-                }
-            }
+        let (pictures, shapes) = self.find();
+        // Sizes differ by a thousand: each file is stolen alone.
+        let (pictures, shapes) = rayon::join(
+            || {
+                let textures = |nodes: &Vec<NodeId>| self.load_textures(nodes);
+                pictures.par_iter().with_max_len(1).map(textures).collect::<Vec<_>>()
+            },
+            || {
+                let shape = |&node| self.load_shape(node);
+                shapes.par_iter().with_max_len(1).map(shape).collect::<Vec<_>>()
+            },
+        );
+        let textures = pictures.into_iter().flatten();
+        Loaded {
+            geometry: shapes.into_iter().map(|shape| (shape.parameters.node(), shape)).collect(),
+            textures: textures.map(|texture| (texture.parameters.node(), texture)).collect(),
         }
-        loaded
     }
 
-    /// What is built ahead of the nodes that hold it: pictures, and shapes with geometry of their own.
-    fn jobs(&self) -> Vec<Job> {
-        let mut shapes = Vec::new();
-        // By file. Those that name none, or one that is missing, report that for themselves.
-        let mut pictures = BTreeMap::<_, Vec<NodeId>>::new();
+    /// What is built ahead of the nodes that hold it: the textures that show pictures, those of each
+    /// file together, and shapes with geometry of their own.
+    fn find(&self) -> (Vec<Vec<NodeId>>, Vec<NodeId>) {
+        let is_composite =
+            |plugin| registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
+        let (mut shapes, mut textures) = (Vec::new(), Vec::new());
         for id in (0..self.document.nodes.len() as u32).map(NodeId) {
             let node = self.document.node(id);
             match (node.class, node.plugin.as_str()) {
                 // The lack of a type has been reported where the text was read.
                 (_, "") => {}
-                (Class::Shape, plugin) => {
-                    if !registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin) {
-                        shapes.push(id);
-                    }
-                }
-                (Class::Texture, "bitmap") => {
-                    let file = self.picture_file(id).ok_or(id);
-                    pictures.entry(file).or_default().push(id);
-                }
+                (Class::Shape, plugin) if !is_composite(plugin) => shapes.push(id),
+                (Class::Texture, "bitmap") => textures.push(id),
                 _ => {}
             }
         }
-        let pictures = pictures.into_values().map(Job::Picture);
-        pictures.chain(shapes.into_iter().map(Job::Shape)).collect()
+        // To look for a file may take long: several at once. Textures that name none, or one that is
+        // missing, stay alone and report that.
+        let file = |&texture: &NodeId| self.picture_file(texture).ok_or(texture);
+        let files: Vec<_> = textures.par_iter().map(file).collect();
+        let mut pictures = BTreeMap::<_, Vec<NodeId>>::new();
+        for (texture, file) in textures.into_iter().zip(files) {
+            pictures.entry(file).or_default().push(texture);
+        }
+        (pictures.into_values().collect(), shapes)
     }
 
     fn picture_file(&self, texture: NodeId) -> Option<PathBuf> {

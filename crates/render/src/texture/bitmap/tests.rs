@@ -137,6 +137,27 @@ fn alpha_is_left_out_unless_it_is_asked_for() {
 }
 
 #[test]
+fn the_mean_of_codes_is_that_of_their_values() {
+    let options = BitmapOptions::default();
+    for channels in [1, 3] {
+        let codes = (0..6 * channels).map(|i| i * 83 % 256);
+        let narrow = Samples::U8(codes.clone().map(|code| code as u8).collect());
+        let wide = Samples::U16(codes.map(|code| code as u16 * 257).collect());
+        for samples in [narrow, wide] {
+            let bitmap = Bitmap { width: 3, height: 2, channels, samples, srgb: true };
+            let texture = BitmapTexture::new(bitmap, &options).expect("a sound picture");
+            let centre =
+                |index: u8| Vec2::new(f32::from(index % 3) + 0.5, f32::from(index / 3) + 0.5);
+            let colors = (0..6).map(|index| texture.eval(centre(index) / Vec2::new(3.0, 2.0)));
+            let sum: Spectrum = colors.sum();
+            for (found, sum) in texture.mean().rgb().into_iter().zip(sum.rgb()) {
+                assert!((found - sum / 6.0).abs() < 1e-6, "{found}, not {}", sum / 6.0);
+            }
+        }
+    }
+}
+
+#[test]
 fn the_mean_and_the_texels_are_those_of_the_picture() {
     let samples = Samples::F32(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     let bitmap = Bitmap { width: 3, height: 2, channels: 1, samples, srgb: false };
