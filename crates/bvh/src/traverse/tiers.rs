@@ -64,7 +64,8 @@ macro_rules! packets {
         }
 
         /// One ray after another: one's last steps overlap the next one's first. Not in one function
-        /// with packets, which would take its registers.
+        /// with packets, which would take its registers. Two rays in turns, each with a stack of its
+        /// own, gained nothing: wrong guesses are the larger part, and end what both have begun.
         #[inline(never)]
         $(#[$attribute])*
         fn intersect_each<P: Primitives>(
