@@ -1,6 +1,6 @@
 //! Picture files that several textures name.
 
-use etendue_document::{Diagnostics, MemoryResources, Severity, Span};
+use etendue_document::{Diagnostics, MemoryResources, Span};
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, load_str};
 use etendue_render::{BuildOptions, Scene, build_scene};
@@ -26,7 +26,8 @@ fn square(x: i32, file: &str, texture: &str) -> String {
     )
 }
 
-/// Builds a scene, or gives the messages of its errors with their places.
+/// Builds a scene, or gives the messages of what was found with their places. Nothing may be found in
+/// a scene that is built.
 fn build(shapes: &[String]) -> Result<Scene, Vec<(String, Option<Span>)>> {
     let resources =
         MemoryResources::default().with("a.pfm", two_texels()).with("broken.png", b"no picture");
@@ -37,8 +38,9 @@ fn build(shapes: &[String]) -> Result<Scene, Vec<(String, Option<Span>)>> {
     let options = BuildOptions::default();
     let scene =
         document.and_then(|document| build_scene(&document, &resources, &diagnostics, &options));
-    let errors = diagnostics.sorted().into_iter().filter(|found| found.severity == Severity::Error);
-    scene.ok_or_else(|| errors.map(|error| (error.message, error.span)).collect())
+    let found = diagnostics.sorted().into_iter().map(|found| (found.message, found.span));
+    let found: Vec<_> = found.collect();
+    if found.is_empty() { Ok(scene.expect("a scene")) } else { Err(found) }
 }
 
 /// The albedo of what a ray straight down at (x, 0) hits.
@@ -78,6 +80,16 @@ fn every_texture_says_that_its_file_is_broken_or_missing() {
         assert!(first.contains(file) && first == second, "{found:?}");
         assert_ne!(first_place, second_place, "{found:?}");
     }
+}
+
+#[test]
+fn what_is_odd_about_a_texture_is_reported_once() {
+    let odd = "<boolean name='raw' value='true'/><boolean name='raw' value='true'/>\
+               <float name='blur' value='1'/>";
+    let found = build(&[square(0, "a.pfm", odd), square(2, "a.pfm", "")]).expect_err("warnings");
+    let messages: Vec<&str> = found.iter().map(|(message, _)| message.as_str()).collect();
+    let twice = "`raw` is given twice; the last one counts";
+    assert_eq!(messages, [twice, "`bitmap` has no parameter `blur`"]);
 }
 
 #[test]

@@ -88,8 +88,8 @@ impl<'a> Assets<'a> {
         // Sizes differ by a thousand: each file is stolen alone.
         let (pictures, shapes) = rayon::join(
             || {
-                let textures = |nodes: &Vec<NodeId>| self.load_textures(nodes);
-                pictures.par_iter().with_max_len(1).map(textures).collect::<Vec<_>>()
+                let textures = |textures| self.load_textures(textures);
+                pictures.into_par_iter().with_max_len(1).map(textures).collect::<Vec<_>>()
             },
             || {
                 let shape = |&node| self.load_shape(node);
@@ -105,7 +105,7 @@ impl<'a> Assets<'a> {
 
     /// What is built ahead of the nodes that hold it: the textures that show pictures, those of each
     /// file together, and shapes with geometry of their own.
-    fn find(&self) -> (Vec<Vec<NodeId>>, Vec<NodeId>) {
+    fn find(&self) -> (Vec<Vec<Parameters<'_>>>, Vec<NodeId>) {
         let is_composite =
             |plugin| registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
         let (mut shapes, mut textures) = (Vec::new(), Vec::new());
@@ -121,30 +121,33 @@ impl<'a> Assets<'a> {
         }
         // To look for a file may take long: several at once. Textures that name none, or one that is
         // missing, stay alone and report that.
-        let file = |&texture: &NodeId| self.picture_file(texture).ok_or(texture);
-        let files: Vec<_> = textures.par_iter().map(file).collect();
-        let mut pictures = BTreeMap::<_, Vec<NodeId>>::new();
-        for (texture, file) in textures.into_iter().zip(files) {
-            pictures.entry(file).or_default().push(texture);
+        let textures: Vec<_> = textures
+            .into_par_iter()
+            .map(|texture| {
+                let parameters = self.document.parameters(texture, self.diagnostics);
+                (self.picture_file(&parameters).ok_or(texture), parameters)
+            })
+            .collect();
+        let mut pictures = BTreeMap::<_, Vec<_>>::new();
+        for (file, parameters) in textures {
+            pictures.entry(file).or_default().push(parameters);
         }
         (pictures.into_values().collect(), shapes)
     }
 
-    fn picture_file(&self, texture: NodeId) -> Option<PathBuf> {
-        let parameters = self.document.parameters(texture, self.diagnostics);
-        let (Value::String(name), span) = parameters.value("filename")? else { return None };
+    fn picture_file(&self, texture: &Parameters<'_>) -> Option<PathBuf> {
+        let (Value::String(name), span) = texture.value("filename")? else { return None };
         self.document.resolve(name, span, self.resources).ok()
     }
 
-    fn load_textures(&self, nodes: &[NodeId]) -> Vec<Decoded<'_>> {
-        let parameters = |&node| self.document.parameters(node, self.diagnostics);
-        let parameters: Vec<Parameters<'_>> = nodes.iter().map(parameters).collect();
-        let textures = bitmap::load(self, &parameters);
+    /// The textures that show one file.
+    fn load_textures<'p>(&self, all: Vec<Parameters<'p>>) -> Vec<Decoded<'p>> {
+        let textures = bitmap::load(self, &all);
         let decoded = |(parameters, texture): (_, Option<_>)| {
             let texture = texture.map(Texture::Bitmap);
             Decoded { parameters, texture }
         };
-        parameters.into_iter().zip(textures).map(decoded).collect()
+        all.into_iter().zip(textures).map(decoded).collect()
     }
 
     fn load_shape(&self, id: NodeId) -> LoadedShape<'_> {

@@ -115,10 +115,14 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
 /// Reads textures that name the same file, which is decoded once. With nothing but files to depend
 /// on: several can be read at once.
 #[must_use]
-pub fn load(assets: &Assets<'_>, all: &[Parameters<'_>]) -> Vec<Option<BitmapTexture>> {
+pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<BitmapTexture>> {
     let options: Vec<_> = all.iter().map(BitmapOptions::read).collect();
+    let name = |parameters: &Parameters<'a>| {
+        Some((parameters.required_string("filename")?, parameters.span_of("filename")))
+    };
+    let names: Vec<_> = all.iter().filter_map(name).collect();
     // Where there is no such file, each has it reported.
-    let file = all.iter().find_map(|parameters| assets.read_file(parameters, "filename"));
+    let file = names.into_iter().find_map(|(name, span)| assets.read_named_file(name, span));
     let Some((path, bytes)) = file else { return vec![None; all.len()] };
     let bitmap = etendue_image::decode(&bytes, &path.to_string_lossy());
     drop(bytes);
