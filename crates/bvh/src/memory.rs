@@ -24,16 +24,16 @@ pub(crate) fn concatenate<'a, P: Sync, T: Send, I: Iterator<Item = T>>(
     length: impl Fn(&P) -> usize,
     items: impl Fn(&'a P) -> I + Sync,
 ) -> Vec<T> {
-    let total = parts.iter().map(&length).sum();
+    let lengths: Vec<usize> = parts.iter().map(length).collect();
+    let total = lengths.iter().sum();
     let mut vector = vector_with_capacity(total + room);
     let mut rest = &mut vector.spare_capacity_mut()[..total];
     let mut tasks = Vec::with_capacity(parts.len());
-    for part in parts {
-        let (slots, others) = std::mem::take(&mut rest).split_at_mut(length(part));
+    for (part, length) in parts.iter().zip(lengths) {
+        let (slots, others) = std::mem::take(&mut rest).split_at_mut(length);
         tasks.push((part, slots));
         rest = others;
     }
-    let unassigned = rest.len();
     tasks.into_par_iter().for_each(|(part, slots)| {
         let mut written = 0;
         items(part).for_each(|item| {
@@ -42,8 +42,7 @@ pub(crate) fn concatenate<'a, P: Sync, T: Send, I: Iterator<Item = T>>(
         });
         assert_eq!(written, slots.len(), "a part has another length");
     });
-    assert!(unassigned == 0, "a part has another length than before");
-    // SAFETY: all `total` slots belonged to some part, and every part has written all of its own.
+    // SAFETY: each of the `total` slots belonged to a part, and every part has written all of its own.
     unsafe { vector.set_len(total) };
     vector
 }

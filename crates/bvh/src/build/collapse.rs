@@ -14,7 +14,6 @@ use crate::memory::{concatenate, vector_with_capacity};
 use crate::names::Names;
 use crate::node::{Child, Custom, Lengths, Node, TriangleBlock, WIDTH};
 use rayon::prelude::*;
-use std::iter::once;
 
 /// What a subtree costs as at most 1, 2, … 7 children of a wide node.
 #[derive(Clone, Copy, Debug)]
@@ -149,7 +148,9 @@ pub(super) fn collapse(tree: &Tree, references: &[Reference]) -> Wide {
             let child = top.add_leaf(node, references);
             top.nodes[0].set(0, padded(node.bounds()), child);
         }
-        Some(root) => drop(top.add_node(tree, root, references, &mut deferred)),
+        Some(root) => {
+            top.add_node(tree, root, references, &mut deferred);
+        }
     }
     let pieces: Vec<(Wide, Vec<Child>)> = deferred
         .par_chunks(DEFERRED_PER_TASK)
@@ -163,18 +164,17 @@ pub(super) fn collapse(tree: &Tree, references: &[Reference]) -> Wide {
         })
         .collect();
     let mut end = top.lengths();
-    let mut slots = deferred.iter();
-    let mut moves = vec![Lengths::default()];
-    for (piece, roots) in &pieces {
-        // The roots come first, so that none of the slots is taken in vain.
-        for (root, one) in roots.iter().zip(slots.by_ref()) {
+    let mut placed = Vec::with_capacity(1 + pieces.len());
+    for (deferred, (piece, roots)) in deferred.chunks(DEFERRED_PER_TASK).zip(pieces) {
+        for (one, root) in deferred.iter().zip(roots) {
             top.nodes[one.node].children[one.slot] = root.moved(&end);
         }
-        moves.push(end);
-        end = end.plus(piece.lengths());
+        let lengths = piece.lengths();
+        placed.push((piece, end));
+        end = end.plus(lengths);
     }
-    let wides: Vec<Wide> = once(top).chain(pieces.into_iter().map(|(piece, _)| piece)).collect();
-    Wide::join(&wides.iter().zip(moves).collect::<Vec<_>>())
+    placed.insert(0, (top, Lengths::default()));
+    Wide::join(&placed)
 }
 
 impl Wide {
@@ -187,12 +187,14 @@ impl Wide {
     }
 
     /// All in one, each moved behind those before it.
-    fn join(pieces: &[(&Self, Lengths)]) -> Self {
-        let node_count = |&(piece, _): &(&Self, _)| piece.nodes.len();
+    fn join(pieces: &[(Self, Lengths)]) -> Self {
         Self {
-            nodes: concatenate(pieces, 0, node_count, |(piece, by)| {
-                piece.nodes.iter().map(|node| node.moved(by))
-            }),
+            nodes: concatenate(
+                pieces,
+                0,
+                |(piece, _)| piece.nodes.len(),
+                |(piece, by)| piece.nodes.iter().map(|node| node.moved(by)),
+            ),
             custom: pieces.iter().flat_map(|(piece, _)| &piece.custom).copied().collect(),
             triangle_count: pieces.iter().map(|(piece, _)| piece.triangle_count).sum(),
             block_ranges: pieces
