@@ -21,7 +21,7 @@ const EXACT_INTEGERS: u64 = 1 << 53;
 #[inline]
 pub(crate) fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     let (negative, start) = sign(bytes);
-    let (magnitude, end) = digits(bytes, start, 0);
+    let (magnitude, end) = digits(bytes, start);
     if end == start || end - start > DIGITS_OF_U64 {
         return None;
     }
@@ -39,16 +39,12 @@ pub(crate) fn parse_short_integer(bytes: &[u8]) -> Option<(u32, usize)> {
 
 /// The single-precision number nearest to the decimal at the start of `bytes` (ties to even), and
 /// how many bytes it takes. Reads what `str::parse` reads, `inf` and `nan` included.
-#[inline]
-pub(crate) fn parse_float(bytes: &[u8]) -> Option<(f32, usize)> {
-    match parse_plain_float(bytes) {
-        Some(found) => Some(found),
-        None => fast_float2::parse_partial::<f32, _>(bytes).ok().filter(|&(_, end)| end > 0),
-    }
+pub(crate) fn parse_any_float(bytes: &[u8]) -> Option<(f32, usize)> {
+    fast_float2::parse_partial::<f32, _>(bytes).ok().filter(|&(_, end)| end > 0)
 }
 
-/// [`parse_float`] for decimals without an exponent that are not the end of the text: by far the most
-/// numbers. `None` for all others, and for a few that cannot be told apart so quickly.
+/// [`parse_any_float`] for decimals without an exponent that are not the end of the text: by far the
+/// most numbers. `None` for all others, and for a few that cannot be told apart so quickly.
 ///
 /// A mantissa m < 2⁵³ and a power of ten up to 10²² are both exact in double precision, so m/10ᵏ is
 /// rounded once (Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990). Rounding that
@@ -111,10 +107,11 @@ fn sign(bytes: &[u8]) -> (bool, usize) {
     }
 }
 
-/// Appends the digits from `position` on to `value` and says where they end. The value is
-/// meaningless after more than 19 digits; the caller counts them.
+/// The value of the digits from `position` on, and where they end. The value is meaningless after more
+/// than 19 digits; the caller counts them.
 #[inline]
-fn digits(bytes: &[u8], mut position: usize, mut value: u64) -> (u64, usize) {
+fn digits(bytes: &[u8], mut position: usize) -> (u64, usize) {
+    let mut value = 0_u64;
     while let Some(chunk) = bytes.get(position..position + 8).and_then(<[u8]>::first_chunk::<8>) {
         let (run_value, run_length) = digit_run(u64::from_le_bytes(*chunk));
         value = value.wrapping_mul(POWERS_OF_TEN[run_length]).wrapping_add(run_value);
@@ -157,6 +154,11 @@ fn digit_run(characters: u64) -> (u64, usize) {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// As the cursor over a text does it.
+    fn parse_float(bytes: &[u8]) -> Option<(f32, usize)> {
+        parse_plain_float(bytes).or_else(|| parse_any_float(bytes))
+    }
 
     /// The standard library is the oracle; bits are compared, so the sign of zero counts.
     fn assert_as_std(text: &str) {
@@ -283,7 +285,7 @@ mod tests {
             prop_assume!(text.is_ascii());
             let length = text.bytes().take_while(u8::is_ascii_digit).count();
             let value = text[..length].parse::<u64>().unwrap_or(0);
-            prop_assert_eq!(super::digits(text.as_bytes(), 0, 0), (value, length));
+            prop_assert_eq!(super::digits(text.as_bytes(), 0), (value, length));
         }
     }
 }

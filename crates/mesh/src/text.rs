@@ -1,7 +1,7 @@
 //! A cursor over the bytes of a text format that knows its line.
 
 use crate::error::{MeshError, MeshErrorKind};
-use crate::number::{parse_float, parse_integer, parse_plain_float, parse_short_integer};
+use crate::number::{parse_any_float, parse_integer, parse_plain_float, parse_short_integer};
 use memchr::memchr2;
 
 /// A place in a text. Lines end in LF, CRLF or CR; a backslash before the end of a line joins it
@@ -127,27 +127,28 @@ impl<'a> TextCursor<'a> {
     /// A [`MeshErrorKind::Syntax`] error that calls the number `what`.
     #[inline(always)]
     pub(crate) fn float(&mut self, what: &str) -> Result<f32, MeshError> {
-        match parse_plain_float(self.rest()) {
-            Some((value, length)) if self.is_delimiter(self.position + length) => {
-                self.position += length;
-                self.skip_blanks();
-                Ok(value)
-            }
-            _ => self.any_float(what),
+        match self.take_float(parse_plain_float(self.rest())) {
+            Some(value) => Ok(value),
+            None => self.any_float(what),
         }
     }
 
     /// [`TextCursor::float`] for all notations.
     #[inline(never)]
     fn any_float(&mut self, what: &str) -> Result<f32, MeshError> {
-        match parse_float(self.rest()) {
-            Some((value, length)) if self.is_delimiter(self.position + length) => {
-                self.position += length;
-                self.skip_blanks();
-                Ok(value)
-            }
-            _ => Err(self.expected(what)),
+        self.take_float(parse_any_float(self.rest())).ok_or_else(|| self.expected(what))
+    }
+
+    /// Takes a number that was found at the cursor, and the blanks after it, if it ends where one may.
+    #[inline(always)]
+    fn take_float(&mut self, found: Option<(f32, usize)>) -> Option<f32> {
+        let (value, length) = found?;
+        if !self.is_delimiter(self.position + length) {
+            return None;
         }
+        self.position += length;
+        self.skip_blanks();
+        Some(value)
     }
 
     /// An integer of one to seven digits without a sign, not taken, and how many digits; `None` where
