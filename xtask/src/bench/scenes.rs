@@ -20,14 +20,10 @@ pub(super) const SCENES: [Scene; 4] = [
 ];
 
 impl Scene {
-    /// Millions of samples that so many of each pixel are.
-    pub(super) fn millions(&self, samples: u32) -> f64 {
-        f64::from(self.size[0]) * f64::from(self.size[1]) * f64::from(samples) * 1e-6
-    }
-
     /// Millions of samples that the larger number has more than the smaller one.
     pub(super) fn millions_between(&self) -> f64 {
         let [few, many] = self.counts;
-        self.millions(many - few)
+        let pixels = f64::from(self.size[0]) * f64::from(self.size[1]);
+        pixels * f64::from(many - few) * 1e-6
     }
 }
