@@ -1,5 +1,8 @@
 //! The frozen scene: immutable, flat, shared by all threads.
 
+mod statistics;
+
+pub use self::statistics::SceneStatistics;
 use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
 use crate::emitter::{Emitter, Lamps};
 use crate::film::FilmSpec;
@@ -20,7 +23,6 @@ use etendue_math::lanes::{Level, Real, baseline};
 use etendue_math::{Bounds3, Ray};
 use etendue_sampling::{AliasTable, SamplerSpec};
 use glam::Vec2;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A camera with its film and its random numbers.
@@ -84,34 +86,6 @@ pub struct Scene {
     boundaries: Vec<Option<Boundary>>,
     sensors: Vec<SensorSetup>,
     hash: [u8; 32],
-}
-
-/// What a scene consists of, for people to read.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SceneStatistics {
-    /// Shapes, instances included, those within groups once.
-    pub shapes: usize,
-    /// Triangles, those within groups once.
-    pub triangles: usize,
-    /// Instances of shape groups.
-    pub instances: usize,
-    /// Materials.
-    pub materials: usize,
-    /// Textures.
-    pub textures: usize,
-    /// Emitters by kind.
-    pub emitters: BTreeMap<&'static str, usize>,
-    /// Bytes held by meshes.
-    pub mesh_bytes: usize,
-    /// Bytes held by the trees over them, and by instances.
-    pub tree_bytes: usize,
-    /// Bytes held by textures, but for the volumes that they show.
-    pub texture_bytes: usize,
-    /// Participating media.
-    pub media: usize,
-    /// Bytes held by the grids of media, phase functions and textures, each grid once, and by the
-    /// bounds of media.
-    pub volume_bytes: usize,
 }
 
 /// A light chosen for next-event estimation.
@@ -190,13 +164,6 @@ pub(crate) fn choose_evenly<R: Real>(random: R, count: usize) -> (R, R) {
     let scaled = random * count as f32;
     let index = scaled.floor().min(random.like((count - 1) as f32));
     (index, (scaled - index).min(random.like(1.0 - f32::EPSILON)))
-}
-
-/// Each of these once, however many share it.
-fn distinct<T>(mut shared: Vec<&Arc<T>>) -> Vec<&Arc<T>> {
-    shared.sort_by_key(|one| Arc::as_ptr(one));
-    shared.dedup_by_key(|one| Arc::as_ptr(one));
-    shared
 }
 
 impl Scene {
@@ -466,57 +433,6 @@ impl Scene {
     #[must_use]
     pub fn content_hash(&self) -> [u8; 32] {
         self.hash
-    }
-
-    /// What the scene consists of.
-    #[must_use]
-    pub fn statistics(&self) -> SceneStatistics {
-        let mut statistics = SceneStatistics {
-            shapes: self.shapes.len() + self.instances.len(),
-            instances: self.instances.len(),
-            materials: self.materials.len(),
-            textures: self.textures.len(),
-            tree_bytes: self.bvh.memory_bytes()
-                + self.groups.iter().map(|group| group.bvh.memory_bytes()).sum::<usize>()
-                + size_of_val(self.instances.as_slice()),
-            texture_bytes: self.texture_bytes(),
-            media: self.media.len(),
-            volume_bytes: self.volume_bytes(),
-            ..SceneStatistics::default()
-        };
-        for shape in &self.shapes {
-            match &shape.geometry {
-                Geometry::Mesh(mesh) => {
-                    statistics.triangles += mesh.triangles().len();
-                    statistics.mesh_bytes += mesh.memory_bytes();
-                }
-                Geometry::RevSurface(surface) => statistics.mesh_bytes += surface.memory_bytes(),
-                Geometry::LinearCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
-                Geometry::BSplineCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
-                Geometry::SdfGrid(grid) => statistics.mesh_bytes += grid.memory_bytes(),
-                Geometry::Ellipsoids(cloud) => statistics.mesh_bytes += cloud.memory_bytes(),
-                Geometry::EllipsoidsMesh(cloud) => statistics.mesh_bytes += cloud.memory_bytes(),
-                Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {}
-            }
-        }
-        for emitter in &self.emitters {
-            *statistics.emitters.entry(emitter.kind()).or_default() += 1;
-        }
-        statistics
-    }
-
-    fn texture_bytes(&self) -> usize {
-        let texels = distinct(self.textures.iter().filter_map(Texture::texels).collect());
-        self.textures.iter().map(Texture::memory_bytes).sum::<usize>()
-            + texels.iter().map(|texels| texels.memory_bytes()).sum::<usize>()
-    }
-
-    fn volume_bytes(&self) -> usize {
-        let mut grids = Vec::new();
-        self.media.iter().for_each(|medium| medium.collect_grids(&mut grids));
-        self.textures.iter().for_each(|texture| texture.collect_grids(&mut grids));
-        self.media.iter().map(Medium::memory_bytes).sum::<usize>()
-            + distinct(grids).iter().map(|grid| grid.memory_bytes()).sum::<usize>()
     }
 
     /// The nearest hit with one of the analytic shapes.
