@@ -15,7 +15,9 @@ use etendue::image::{Limits, decode_exr_layers_with_limits, decode_with_limits};
 use etendue::mesh::{ObjOptions, read_obj, read_ply, read_serialized, serialized_shape_count};
 use etendue::mitsuba::{LoadOptions, load_str, read_file};
 use etendue::scene::BuildOptions;
-use etendue::{Cancel, FilmFile, RenderOptions, SceneOptions, Shot, Silent, Workers, load_text};
+use etendue::{
+    Cancel, FilmFile, RenderJob, RenderOptions, SceneOptions, Silent, Workers, load_text,
+};
 
 /// Does something with bytes.
 pub(crate) type Target = fn(&[u8]);
@@ -204,7 +206,7 @@ fn build_and_render(text: &str, files: &MemoryResources) {
         memory_limit: Some(SUMS_LIMIT),
         ..RenderOptions::default()
     };
-    if let Ok(shot) = Shot::new(&content, &options) {
-        let _ = shot.render(&WORKERS, &Silent, &Cancel::new());
+    if let Ok(job) = RenderJob::new(&content, &options) {
+        let _ = job.render(&WORKERS, &Silent, &Cancel::new());
     }
 }

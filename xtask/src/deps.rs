@@ -27,14 +27,14 @@ const TABLE: &[Row] = &[
         tests_use: &["etendue-testkit"],
     },
     Row {
-        name: "etendue-render",
+        name: "etendue-scene",
         uses: LAYERS_0_AND_1,
         tests_use: &["etendue-testkit", "etendue-mitsuba"],
     },
     Row {
         name: "etendue-integrators",
         uses: &[
-            "etendue-render",
+            "etendue-scene",
             "etendue-math",
             "etendue-sampling",
             "etendue-spectrum",
@@ -46,7 +46,7 @@ const TABLE: &[Row] = &[
         name: "etendue-engine",
         uses: &[
             "etendue-integrators",
-            "etendue-render",
+            "etendue-scene",
             "etendue-math",
             "etendue-sampling",
             "etendue-spectrum",
@@ -60,7 +60,7 @@ const TABLE: &[Row] = &[
         uses: &[
             "etendue-engine",
             "etendue-integrators",
-            "etendue-render",
+            "etendue-scene",
             "etendue-mitsuba",
             "etendue-math",
             "etendue-sampling",
@@ -177,16 +177,16 @@ mod tests {
     #[test]
     fn edges_of_the_table_pass_and_others_do_not() {
         assert!(edge("etendue-engine", "etendue-integrators", None).is_empty());
-        let upwards = edge("etendue-math", "etendue-render", None);
-        assert_eq!(upwards, ["etendue-math may not use etendue-render"]);
+        let upwards = edge("etendue-math", "etendue-scene", None);
+        assert_eq!(upwards, ["etendue-math may not use etendue-scene"]);
         assert_eq!(edge("etendue-new", "etendue-math", None).len(), 1);
     }
 
     #[test]
     fn tests_may_use_more() {
-        assert!(edge("etendue-render", "etendue-testkit", Some("dev")).is_empty());
-        assert_eq!(edge("etendue-render", "etendue-testkit", None).len(), 1);
-        assert_eq!(edge("etendue-render", "etendue-engine", Some("dev")).len(), 1);
+        assert!(edge("etendue-scene", "etendue-testkit", Some("dev")).is_empty());
+        assert_eq!(edge("etendue-scene", "etendue-testkit", None).len(), 1);
+        assert_eq!(edge("etendue-scene", "etendue-engine", Some("dev")).len(), 1);
     }
 
     #[test]

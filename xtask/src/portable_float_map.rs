@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn grey_becomes_a_colour() {
+    fn grey_becomes_a_color() {
         let bytes = [b"Pf\n1 1\n-1.0\n".as_slice(), &2.0_f32.to_le_bytes()].concat();
         assert_eq!(decode(&bytes), Some(Picture { size: [1, 1], pixels: vec![[2.0; 3]] }));
     }

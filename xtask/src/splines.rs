@@ -3,7 +3,7 @@
 
 use crate::workspace::cargo;
 
-/// Runs the example `splines` of `etendue-render`, which counts.
+/// Runs the example `splines` of `etendue-scene`, which counts.
 pub(crate) fn run(arguments: &[String]) -> bool {
     let count = match arguments {
         [] => "500000",
@@ -13,15 +13,7 @@ pub(crate) fn run(arguments: &[String]) -> bool {
             return false;
         }
     };
-    let example = [
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        "etendue-render",
-        "--example",
-        "splines",
-        "--",
-    ];
+    let example =
+        ["run", "--quiet", "--release", "--package", "etendue-scene", "--example", "splines", "--"];
     cargo().args(example).arg(count).status().is_ok_and(|status| status.success())
 }

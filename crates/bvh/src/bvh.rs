@@ -4,11 +4,11 @@ use crate::build;
 use crate::error::BuildError;
 use crate::geometry::{GeometryView, Primitives};
 use crate::instance::Instance;
-use crate::names::Names;
 use crate::node::{Custom, Node, TriangleBlock};
 use crate::options::BuildOptions;
 use crate::simd::Tier;
 use crate::statistics::Statistics;
+use crate::triangle_numbers::TriangleNumbers;
 use crate::{traverse, validate};
 use etendue_math::{Bounds3, Ray};
 
@@ -19,7 +19,7 @@ use etendue_math::{Bounds3, Ray};
 pub struct Bvh {
     pub(crate) nodes: Vec<Node>,
     pub(crate) blocks: Vec<TriangleBlock>,
-    pub(crate) names: Names,
+    pub(crate) names: TriangleNumbers,
     pub(crate) custom: Vec<Custom>,
     pub(crate) instances: Vec<Instance>,
     pub(crate) bounds: Bounds3,
@@ -68,7 +68,7 @@ impl Bvh {
 
     pub(crate) fn from_parts(
         nodes: Vec<Node>,
-        (blocks, names): (Vec<TriangleBlock>, Names),
+        (blocks, names): (Vec<TriangleBlock>, TriangleNumbers),
         (custom, instances): (Vec<Custom>, Vec<Instance>),
         bounds: Bounds3,
         triangle_count: usize,

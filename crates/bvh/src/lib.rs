@@ -56,13 +56,13 @@ mod error_bounds;
 mod geometry;
 mod instance;
 mod memory;
-mod names;
 mod node;
 mod options;
 mod simd;
 mod statistics;
 mod traverse;
 mod triangle;
+mod triangle_numbers;
 mod validate;
 
 pub use bvh::{Bvh, Hit};

@@ -9,14 +9,14 @@ pub(crate) const WIDTH: usize = 8;
 /// One number for each child of a node or each triangle of a block.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub(crate) struct Lanes(pub(crate) [f32; WIDTH]);
+pub(crate) struct F32x8(pub(crate) [f32; WIDTH]);
 
 /// Up to eight children: their boxes as a structure of arrays, and what they are.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     /// The planes min x, max x, min y, max y, min z, max z; an empty slot has min = ∞, max = -∞.
-    pub(crate) planes: [Lanes; 6],
+    pub(crate) planes: [F32x8; 6],
     /// What the slots hold.
     pub(crate) children: [Child; WIDTH],
 }
@@ -163,7 +163,7 @@ impl Node {
 
     /// A node without children.
     pub(crate) const EMPTY: Self = {
-        let (least, greatest) = (Lanes([f32::INFINITY; WIDTH]), Lanes([f32::NEG_INFINITY; WIDTH]));
+        let (least, greatest) = (F32x8([f32::INFINITY; WIDTH]), F32x8([f32::NEG_INFINITY; WIDTH]));
         Self {
             planes: [least, greatest, least, greatest, least, greatest],
             children: [Child::EMPTY; WIDTH],
@@ -205,8 +205,8 @@ impl Node {
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
     /// The coordinates: vertex, axis, lane.
-    pub(crate) vertices: [[Lanes; 3]; 3],
-    /// What each lane is, in [`Names`](crate::names::Names).
+    pub(crate) vertices: [[F32x8; 3]; 3],
+    /// What each lane is, in [`TriangleNumbers`](crate::triangle_numbers::TriangleNumbers).
     pub(crate) names: [u32; WIDTH],
 }
 
@@ -216,7 +216,7 @@ const _: () = assert!(size_of::<TriangleBlock>().is_multiple_of(Child::BLOCK_UNI
 impl TriangleBlock {
     /// A block of zeros.
     pub(crate) const EMPTY: Self =
-        Self { vertices: [[Lanes([0.0; WIDTH]); 3]; 3], names: [u32::MAX; WIDTH] };
+        Self { vertices: [[F32x8([0.0; WIDTH]); 3]; 3], names: [u32::MAX; WIDTH] };
 
     pub(crate) fn set(&mut self, lane: usize, name: u32, corners: [Vec3; 3]) {
         for (vertex, corner) in self.vertices.iter_mut().zip(corners) {

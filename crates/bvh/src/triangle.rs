@@ -15,7 +15,7 @@
 //!
 //! So a triangle is hit at least wherever the exact test of the sheared mesh would hit it.
 
-use crate::node::{Lanes, TriangleBlock, WIDTH};
+use crate::node::{F32x8, TriangleBlock, WIDTH};
 use crate::simd::Simd;
 use crate::simd::portable::Portable;
 use crate::traverse::ray::RayConstants;
@@ -25,11 +25,11 @@ pub(crate) struct Resolved {
     /// A bit for each lane that is hit with `0 < t ≤ t_max`.
     pub(crate) mask: u32,
     /// The distance of each lane.
-    pub(crate) t: Lanes,
+    pub(crate) t: F32x8,
     /// The edge function opposite to vertex 1, over the sum of the three.
-    pub(crate) v: Lanes,
+    pub(crate) v: F32x8,
     /// The edge function opposite to vertex 2, over the sum of the three.
-    pub(crate) w: Lanes,
+    pub(crate) w: F32x8,
 }
 
 /// Two coordinates across the ray and the distance along it, for eight vertices.
@@ -154,8 +154,8 @@ pub(crate) fn resolve(
     ray: &RayConstants,
     t_max: f32,
 ) -> Resolved {
-    let vertices = [0, 1, 2].map(|vertex| shear::<Portable>(block, vertex, ray).map(Lanes));
-    let none = Lanes([0.0; WIDTH]);
+    let vertices = [0, 1, 2].map(|vertex| shear::<Portable>(block, vertex, ray).map(F32x8));
+    let none = F32x8([0.0; WIDTH]);
     let mut hits = Resolved { mask: 0, t: none, v: none, w: none };
     for lane in (0..WIDTH).filter(|lane| doubtful >> lane & 1 != 0) {
         let [a, b, c] = [0, 1, 2].map(|k| vertices[k].each_ref().map(|x| f64::from(x.0[lane])));

@@ -1,4 +1,4 @@
-//! Findings of one kind by the hundred: the first few as a whole, the others in a line each.
+//! DiagnosticReport of one kind by the hundred: the first few as a whole, the others in a line each.
 //!
 //! A scene whose folder has moved misses every mesh it names. Three hundred excerpts bury what else
 //! is wrong, and the folders that were searched are the same for all.
@@ -10,10 +10,10 @@ use etendue::render_diagnostic;
 
 use crate::text;
 
-/// How many findings of one kind are shown as a whole.
+/// How many diagnostics of one kind are shown as a whole.
 const WHOLE: usize = 5;
 
-/// How much is shown of the findings beyond the first few of their kind.
+/// How much is shown of the diagnostics beyond the first few of their kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Repeats {
     /// A line each, up to this many of one kind, and how many more there are.
@@ -22,18 +22,18 @@ pub(crate) enum Repeats {
     Whole,
 }
 
-/// What findings of one kind have in common: whose fault they are, and what is said but for names
+/// What diagnostics of one kind have in common: whose fault they are, and what is said but for names
 /// and numbers.
 type Kind = (Severity, Fault, String);
 
-/// Findings on their way to the terminal.
+/// DiagnosticReport on their way to the terminal.
 pub(crate) struct Listing<'a> {
     sources: &'a Sources,
     repeats: Repeats,
     colored: bool,
     text: String,
     counts: HashMap<Kind, usize>,
-    /// Lists in the advice of findings, each of which is shown once.
+    /// Lists in the advice of diagnostics, each of which is shown once.
     lists: HashSet<&'a str>,
     /// What is shown in a line each, by kind, in the order of the first of each kind.
     repeated: Vec<(Kind, Vec<&'a Diagnostic>)>,
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use etendue::document::Span;
 
-    /// A source of one missing file per line, and the findings.
+    /// A source of one missing file per line, and the diagnostics.
     fn missing(count: usize) -> (Sources, Vec<Diagnostic>) {
         let lines: Vec<String> = (0..count).map(|index| format!("m{index:03}.obj")).collect();
         let mut sources = Sources::default();

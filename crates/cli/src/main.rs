@@ -10,11 +10,11 @@
 
 mod alike;
 mod arguments;
+mod checkpoint_writer;
 mod color;
 mod commands;
+mod diagnostics;
 mod failure;
-mod findings;
-mod keeping;
 mod memory;
 mod output;
 mod outputs;

@@ -1,7 +1,7 @@
 //! Samples that were left out of a picture, and how to look into one.
 
 use etendue::engine::SampleSource;
-use etendue::{Defect, Defects, SampleId, Shot};
+use etendue::{Defect, Defects, RenderJob, SampleId};
 
 use crate::failure::Failure;
 use crate::{terminal, text};
@@ -56,21 +56,21 @@ fn quote(argument: &str) -> String {
 }
 
 /// Takes one sample again and shows what it says.
-pub(crate) fn show(shot: &Shot<'_>, id: SampleId) -> Result<(), Failure> {
-    let film = &shot.setup().film;
+pub(crate) fn show(job: &RenderJob<'_>, id: SampleId) -> Result<(), Failure> {
+    let film = &job.setup().film;
     if id.x >= film.width || id.y >= film.height {
         let (x, y, width, height) = (id.x, id.y, film.width, film.height);
         return Err(Failure::bad_input(format!(
             "there is no pixel {x},{y} on a film of {width}x{height}"
         )));
     }
-    let replay = shot.camera().replay(id);
+    let replay = job.camera().replay(id);
     let [red, green, blue] = replay.sample.color.rgb();
     let mut shown = format!("pixel {},{}  sample {}\n", id.x, id.y, id.index);
     shown.push_str(&format!("radiance  {red} {green} {blue}\n"));
     shown.push_str(&format!("alpha     {}\n", replay.sample.alpha));
     shown.push_str(&format!("weight    {}\n", replay.sample.weight));
-    for (name, value) in shot.camera().layers().iter().zip(&replay.layers) {
+    for (name, value) in job.camera().layers().iter().zip(&replay.layers) {
         shown.push_str(&format!("{name}  {value}\n"));
     }
     terminal::result(&shown)

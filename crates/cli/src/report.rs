@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use etendue::{Content, LoadTimes, Rendering, Shot, Statistics};
+use etendue::{LoadTimes, LoadedScene, RenderJob, Rendering, Statistics};
 
 use crate::outputs::Outputs;
 use crate::{terminal, text};
@@ -40,13 +40,13 @@ pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration
 }
 
 /// What the render will take, before it is taken: `memory: 1.2 GB scene, 158 MB film`.
-pub(crate) fn memory(content: &Content, shot: &Shot<'_>) {
+pub(crate) fn memory(content: &LoadedScene, job: &RenderJob<'_>) {
     let statistics = content.scene.statistics();
     let scene = statistics.mesh_bytes
         + statistics.tree_bytes
         + statistics.texture_bytes
         + statistics.volume_bytes;
-    let film = usize::try_from(shot.memory_needed()).unwrap_or(usize::MAX);
+    let film = usize::try_from(job.memory_needed()).unwrap_or(usize::MAX);
     terminal::message_line(&format!(
         "memory: {} scene, {} film",
         text::bytes(scene),

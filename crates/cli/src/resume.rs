@@ -3,10 +3,10 @@
 use std::io::{BufRead, IsTerminal, stderr, stdin};
 
 use etendue::sums_file::{Difference, differences};
-use etendue::{FilmFile, FilmFileError, FilmSums, Shot, SumsFile};
+use etendue::{FilmFile, FilmFileError, FilmSums, RenderJob, SumsFile};
 
+use crate::checkpoint_writer::Resume;
 use crate::failure::Failure;
-use crate::keeping::Resume;
 use crate::{terminal, text};
 
 /// Decides whether a render goes on with a checkpoint, and reads its header if so.
@@ -56,17 +56,17 @@ fn ask(checkpoint: &SumsFile, header: &FilmFile) -> Result<bool, Failure> {
     }
 }
 
-/// The sums of a checkpoint, if they are sums of this shot.
+/// The sums of a checkpoint, if they are sums of this job.
 pub(crate) fn read(
     checkpoint: &SumsFile,
     header: &FilmFile,
-    shot: &Shot<'_>,
+    job: &RenderJob<'_>,
 ) -> Result<FilmSums, Failure> {
-    check(checkpoint, header, shot)?;
-    let limit = shot.job().memory_limit;
+    check(checkpoint, header, job)?;
+    let limit = job.job().memory_limit;
     let (_, film) = checkpoint.read(limit).map_err(|error| unreadable(checkpoint, &error))?;
     let [_, most] = film.samples_per_pixel();
-    let wanted = shot.job().budget.samples_per_pixel;
+    let wanted = job.job().budget.samples_per_pixel;
     if let Some(wanted) = wanted.map(|end| end - film.first_sample())
         && most > wanted
     {
@@ -80,9 +80,9 @@ pub(crate) fn read(
 }
 
 /// Refuses sums of another picture, and tells what differs.
-fn check(checkpoint: &SumsFile, header: &FilmFile, shot: &Shot<'_>) -> Result<(), Failure> {
-    let mut found = differences(&header.record.identity, &shot.identity());
-    let first = shot.job().first_sample;
+fn check(checkpoint: &SumsFile, header: &FilmFile, job: &RenderJob<'_>) -> Result<(), Failure> {
+    let mut found = differences(&header.record.identity, &job.identity());
+    let first = job.job().first_sample;
     if header.first_sample != first {
         found.push(Difference {
             name: "first sample".to_owned(),

@@ -7,7 +7,7 @@ use crate::{
     Diagnostics, List, Name, NotFound, Parameters, Resolver, Resources, Sources, Span, Value,
 };
 
-/// Names one node of a [`Document`].
+/// NameInterner one node of a [`Document`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 

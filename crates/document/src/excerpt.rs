@@ -236,7 +236,7 @@ warning: no `alpah`
     }
 
     #[test]
-    fn colours_come_only_when_asked_for_and_files_cannot_send_any() {
+    fn colors_come_only_when_asked_for_and_files_cannot_send_any() {
         let diagnostic = Diagnostic::error(Fault::Syntax, span(0..3), "bad \u{1b}[31m");
         let sources = sources("a\u{1b}[2J");
         assert!(!render_diagnostic(&diagnostic, &sources, false).contains('\u{1b}'));

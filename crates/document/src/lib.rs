@@ -25,7 +25,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Fault, Related, Severity};
 pub use document::{Child, Class, Document, Node, NodeId, Parameter};
 pub use excerpt::render_diagnostic;
 pub use list::List;
-pub use name::{Name, Names};
+pub use name::{Name, NameInterner};
 pub use names::{list_names, near_names};
 pub use parameters::{Entry, Parameters};
 pub use resolver::{NotFound, Resolver, normalise};

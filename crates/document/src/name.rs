@@ -85,11 +85,11 @@ impl fmt::Debug for Name {
 
 /// The names that a reader has met, so that each is kept once.
 #[derive(Debug, Default)]
-pub struct Names {
+pub struct NameInterner {
     known: HashSet<Name>,
 }
 
-impl Names {
+impl NameInterner {
     /// The name for a word: the one that was given out before, if there is one.
     pub fn name(&mut self, word: &str) -> Name {
         if let Some(name) = self.known.get(word) {
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_word_is_kept_once() {
-        let mut names = Names::default();
+        let mut names = NameInterner::default();
         let [first, second, other] = ["to_world", "to_world", "toWorld"].map(|w| names.name(w));
         assert!(Arc::ptr_eq(&first.0, &second.0));
         assert!(first == second && first != other && first == "to_world");

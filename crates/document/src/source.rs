@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::packed::Packed;
 
-/// Names one text of a [`Sources`] collection. The default is the first one.
+/// NameInterner one text of a [`Sources`] collection. The default is the first one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SourceId(u32);
 

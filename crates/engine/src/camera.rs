@@ -1,9 +1,9 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
-use etendue_integrators::{CameraRay, Integrator, Radiance, Screen, Start};
+use etendue_integrators::{CameraRay, Integrator, Radiance, SplatTarget, Start};
 use etendue_math::with_lanes;
-use etendue_render::{Scene, SensorSetup};
-use etendue_sampling::{SampleStream, SamplerSpec, draw_points};
+use etendue_sampling::{Sampler, SamplerSpec, draw_points};
+use etendue_scene::{Scene, SensorSetup};
 use etendue_spectrum::Spectrum;
 use glam::{UVec2, Vec2};
 
@@ -98,7 +98,7 @@ impl SampleSource for Camera<'_> {
         stream.set_dimension(PARTICLE_DIMENSION);
         let mut filter_stream = stream;
         filter_stream.set_dimension(FILTER_DIMENSION);
-        let mut deposit = |film_position: Vec2, color: Spectrum| {
+        let mut add_splat = |film_position: Vec2, color: Spectrum| {
             // The filter is sampled, as it is for the camera's own samples.
             let (offset, weight) = self.setup.film.filter.sample(filter_stream.next_2d());
             let place = film_position * size.as_vec2() + offset;
@@ -109,14 +109,14 @@ impl SampleSource for Camera<'_> {
             }
         };
         let margin = self.setup.film.filter.radius() * self.pixel_size;
-        let screen = Screen { sensor: &self.setup.sensor, margin };
-        self.integrator.trace_particle(self.scene, screen, &mut stream, &mut deposit);
+        let target = SplatTarget { sensor: &self.setup.sensor, margin };
+        self.integrator.trace_particle(self.scene, target, &mut stream, &mut add_splat);
     }
 }
 
 impl Camera<'_> {
     /// The random numbers of samples, of which neighbours mostly belong to one pixel.
-    fn streams(&self, ids: &[SampleId]) -> Vec<SampleStream> {
+    fn streams(&self, ids: &[SampleId]) -> Vec<Sampler> {
         let of_one_pixel = ids.chunk_by(|a, b| (a.x, a.y) == (b.x, b.y));
         let mut streams = Vec::with_capacity(ids.len());
         for ids in of_one_pixel {
@@ -160,7 +160,7 @@ impl Camera<'_> {
 
     /// The points of the aperture. The numbers for the lens are passed over where there is none:
     /// drawing them costs, and what follows must not depend on it.
-    fn draw_apertures(&self, streams: &mut [SampleStream]) -> Vec<Vec2> {
+    fn draw_apertures(&self, streams: &mut [Sampler]) -> Vec<Vec2> {
         let mut apertures = Vec::with_capacity(streams.len());
         if self.setup.sensor.has_lens() {
             with_lanes!(self.scene.level(), simd => draw_points(simd, streams, &mut apertures));

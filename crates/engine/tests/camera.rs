@@ -7,7 +7,7 @@ use etendue_engine::{
 };
 use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
 use etendue_mitsuba::{LoadOptions, load_str};
-use etendue_render::{BuildOptions, Scene, build_scene};
+use etendue_scene::{BuildOptions, Scene, build_scene};
 
 /// A square from (-1, -1) to (1, 1) seen straight on, so that places on the film are places on it.
 const SQUARE: &str = r#"

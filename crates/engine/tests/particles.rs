@@ -6,8 +6,8 @@ use etendue_engine::{
 };
 use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
 use etendue_mitsuba::{LoadOptions, load_str};
-use etendue_render::{BuildOptions, Scene, build_scene};
 use etendue_sampling::SamplerSpec;
+use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::{Accumulator, welch};
 
 const SIZE: u32 = 16;

@@ -3,8 +3,8 @@
 //! It is written into checkpoints and parts, so that parts can be merged without their scene.
 
 use etendue_image::{ExrPrecision, MetadataValue, ToneMap};
-use etendue_render::SensorSetup;
-use etendue_render::film::PixelFormat;
+use etendue_scene::SensorSetup;
+use etendue_scene::film::PixelFormat;
 
 /// What a picture's files need to know beside the sums.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,14 +5,14 @@ use std::ops::Range;
 
 use etendue_engine::{EngineError, Region};
 
-use crate::{Findings, SensorChoice};
+use crate::{DiagnosticReport, SensorChoice};
 
 /// Why there is no picture.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
     /// The scene cannot be loaded.
-    Scene(Box<Findings>),
+    Scene(Box<DiagnosticReport>),
     /// The scene has no camera, or not the one asked for.
     Sensor {
         /// The one asked for.
@@ -47,7 +47,7 @@ impl From<EngineError> for Error {
 impl fmt::Display for Error {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Scene(findings) => findings.fmt(formatter),
+            Self::Scene(diagnostics) => diagnostics.fmt(formatter),
             Self::Sensor { choice, available } => fmt_sensor(formatter, choice, available),
             Self::Region { region: Region { x, y, width, height }, film: [columns, rows] } => {
                 write!(

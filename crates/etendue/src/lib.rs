@@ -32,12 +32,12 @@
 //!
 //! 1. [`Workers::new`] starts the threads; everything below runs on them.
 //! 2. [`load`] reads a scene file through [`Resources`] (such as [`Files`]). What was found wrong
-//!    is in [`Loaded::findings`], every finding with its place.
-//! 3. [`Shot::new`] chooses a camera and a budget.
-//! 4. [`Shot::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
+//!    is in [`Loaded::diagnostics`], every finding with its place.
+//! 3. [`RenderJob::new`] chooses a camera and a budget.
+//! 4. [`RenderJob::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
 //!    [`Rendering`].
-//! 5. Or, to keep what is done: [`Shot::new_film`] or [`SumsFile::read`], [`Shot::add_samples`],
-//!    [`SumsFile::write`] from another thread meanwhile, [`Shot::develop`]. Parts of a picture that
+//! 5. Or, to keep what is done: [`RenderJob::new_film`] or [`SumsFile::read`], [`RenderJob::add_samples`],
+//!    [`SumsFile::write`] from another thread meanwhile, [`RenderJob::develop`]. Parts of a picture that
 //!    were rendered apart are put together by [`merge::merge`].
 //! 6. [`image::encode`] makes a file's bytes of its picture.
 //!
@@ -50,15 +50,15 @@
 #![forbid(unsafe_code)]
 
 mod development;
+mod diagnostic_report;
 pub mod durable;
 mod error;
 pub mod files;
-mod findings;
 mod load;
 pub mod merge;
 mod options;
+mod render_job;
 mod rendering;
-mod shot;
 pub mod sums_file;
 
 pub use etendue_bvh as bvh;
@@ -69,10 +69,11 @@ pub use etendue_integrators as integrators;
 pub use etendue_math as math;
 pub use etendue_mesh as mesh;
 pub use etendue_mitsuba as mitsuba;
-pub use etendue_render as scene;
 pub use etendue_sampling as sampling;
+pub use etendue_scene as scene;
 pub use etendue_spectrum as spectrum;
 
+pub use diagnostic_report::DiagnosticReport;
 pub use error::Error;
 pub use etendue_document::{Resources, render_diagnostic};
 pub use etendue_engine::{
@@ -80,9 +81,8 @@ pub use etendue_engine::{
     FinishedPass, Observer, Progress, Region, SampleId, Silent, Statistics, Workers,
 };
 pub use files::Files;
-pub use findings::Findings;
-pub use load::{Content, LoadTimes, Loaded, load, load_text};
+pub use load::{LoadTimes, Loaded, LoadedScene, load, load_text};
 pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SampleChoice, SceneOptions, SensorChoice};
+pub use render_job::{RenderJob, render_file, render_text};
 pub use rendering::Rendering;
-pub use shot::{Shot, render_file, render_text};
 pub use sums_file::SumsFile;

@@ -6,22 +6,22 @@ use std::time::{Duration, Instant};
 use etendue_document::{Diagnostics, Document, Resources, Sources};
 use etendue_integrators::{Integrator, build_integrator};
 use etendue_mitsuba::LoadOptions;
-use etendue_render::{BuildOptions, Scene, gather_scene};
+use etendue_scene::{BuildOptions, Scene, gather_scene};
 
-use crate::{Findings, SceneOptions};
+use crate::{DiagnosticReport, SceneOptions};
 
 /// A scene that has been read.
 pub struct Loaded {
     /// What there is to render; `None` if there were errors.
-    pub content: Option<Content>,
+    pub content: Option<LoadedScene>,
     /// Errors and warnings.
-    pub findings: Findings,
+    pub diagnostics: DiagnosticReport,
     /// How long it took.
     pub times: LoadTimes,
 }
 
 /// A scene and how its light is computed.
-pub struct Content {
+pub struct LoadedScene {
     /// What light meets.
     pub scene: Scene,
     /// How it is computed.
@@ -111,7 +111,7 @@ fn load_with(
         document: document_time,
         scene: started.elapsed().saturating_sub(document_time),
     };
-    Loaded { content, findings: Findings::new(&diagnostics, sources), times }
+    Loaded { content, diagnostics: DiagnosticReport::new(&diagnostics, sources), times }
 }
 
 /// What there is to render, and the texts that it was read from.
@@ -120,14 +120,14 @@ fn build(
     resources: &dyn Resources,
     diagnostics: &Diagnostics,
     options: &SceneOptions,
-) -> (Option<Content>, Sources) {
+) -> (Option<LoadedScene>, Sources) {
     // Both, whatever becomes of the first: one run finds the mistakes of both.
     let gathered = gather_scene(&document, resources, diagnostics, &options.build);
     let integrator = build_integrator(&document, &options.integrator, diagnostics);
     // Of a million instances, the document would stand beside the tree while that is built.
     let sources = document.into_sources();
     let scene = gathered.and_then(|gathered| gathered.build(diagnostics));
-    let content = scene.zip(integrator).map(|(scene, integrator)| Content {
+    let content = scene.zip(integrator).map(|(scene, integrator)| LoadedScene {
         scene,
         integrator,
         settings: settings(options),

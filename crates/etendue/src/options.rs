@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use etendue_engine::Region;
 use etendue_integrators::IntegratorOptions;
-use etendue_render::BuildOptions;
+use etendue_scene::BuildOptions;
 
 /// How a scene file becomes a scene.
 #[derive(Clone, Debug, Default)]

@@ -2,8 +2,8 @@
 
 use etendue_engine::{Channels, FilmSums, Statistics};
 use etendue_image::{EncodeOptions, ExrPrecision, FileFormat, ImageError, Picture, Window, encode};
-use etendue_render::film::PixelFormat;
-use etendue_spectrum::colour;
+use etendue_scene::film::PixelFormat;
+use etendue_spectrum::color;
 
 use crate::development::Development;
 
@@ -83,14 +83,14 @@ fn precision(asked: ExrPrecision, picture: &Picture, has_layers: HasLayers) -> E
 
 /// The picture in luminance: one channel instead of three.
 fn to_luminance(picture: &mut Picture) {
-    map_color(picture, |rgb| [colour::luminance(rgb); 3]);
+    map_color(picture, |rgb| [color::luminance(rgb); 3]);
     picture.channels.drain(1..3);
     picture.channels[0].name = "Y".to_owned();
 }
 
 /// The picture in CIE XYZ.
 fn to_xyz(picture: &mut Picture) {
-    map_color(picture, colour::rgb_to_xyz);
+    map_color(picture, color::rgb_to_xyz);
     for (channel, name) in picture.channels.iter_mut().zip(["X", "Y", "Z"]) {
         channel.name = name.to_owned();
     }

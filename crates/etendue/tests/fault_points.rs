@@ -16,8 +16,8 @@ use etendue::document::MemoryResources;
 use etendue::durable::{WriteStep, remove_abandoned, write_durably_with};
 use etendue::image::Picture;
 use etendue::{
-    Cancel, Content, FilmSums, RenderOptions, SceneOptions, Shot, Silent, Statistics, SumsFile,
-    Workers, load_text,
+    Cancel, FilmSums, LoadedScene, RenderJob, RenderOptions, SceneOptions, Silent, Statistics,
+    SumsFile, Workers, load_text,
 };
 
 /// Where the second process is told what to do.
@@ -58,29 +58,29 @@ const POINTS: [Point; 9] = [
     Point::After(WriteStep::Done),
 ];
 
-fn content() -> Content {
+fn content() -> LoadedScene {
     let files = MemoryResources::default();
     load_text(SCENE, PathBuf::new(), &files, &SceneOptions::default()).content.unwrap()
 }
 
 /// Goes on with a film, or a new one, to so many samples.
-fn render(content: &Content, film: Option<FilmSums>, count: u32) -> (FilmSums, Picture) {
+fn render(content: &LoadedScene, film: Option<FilmSums>, count: u32) -> (FilmSums, Picture) {
     let options = RenderOptions {
         samples_per_pixel: Some(count),
         planned_samples: Some(COUNTS[2]),
         ..RenderOptions::default()
     };
     let workers = Workers::new(NonZeroUsize::new(2)).unwrap();
-    let shot = Shot::new(content, &options).unwrap();
-    let film = film.unwrap_or_else(|| shot.new_film(&workers).unwrap());
-    shot.add_samples(&film, &workers, &Silent, &Cancel::new()).unwrap();
-    let picture = shot.develop(&film, Statistics::default(), 0.0).picture;
+    let job = RenderJob::new(content, &options).unwrap();
+    let film = film.unwrap_or_else(|| job.new_film(&workers).unwrap());
+    job.add_samples(&film, &workers, &Silent, &Cancel::new()).unwrap();
+    let picture = job.develop(&film, Statistics::default(), 0.0).picture;
     (film, picture)
 }
 
-fn record(content: &Content) -> etendue::FilmRecord {
+fn record(content: &LoadedScene) -> etendue::FilmRecord {
     let options = RenderOptions { planned_samples: Some(COUNTS[2]), ..RenderOptions::default() };
-    Shot::new(content, &options).unwrap().record(1.0)
+    RenderJob::new(content, &options).unwrap().record(1.0)
 }
 
 #[test]

@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn precisions_agree_about_the_same_colour() {
+    fn precisions_agree_about_the_same_color() {
         let of = |samples| Bitmap { width: 1, height: 1, channels: 3, samples, srgb: true };
         let eight = of(Samples::U8(vec![0, 51, 255])).to_linear();
         let sixteen = of(Samples::U16(vec![0, 51 * 257, 65535])).to_linear();

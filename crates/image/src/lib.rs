@@ -48,5 +48,5 @@ pub use color_image::ColorImage;
 pub use error::ImageError;
 pub use format::FileFormat;
 pub use limits::Limits;
-pub use picture::{Layer, MainLayer, MetadataValue, Picture, Window};
+pub use picture::{Channel, MainLayer, MetadataValue, Picture, Window};
 pub use tone_map::{ToneMap, exposure_scale};

@@ -17,7 +17,7 @@ pub struct Window {
 
 /// One channel of a [`Picture`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layer {
+pub struct Channel {
     /// The channel's name, such as `R`, `albedo.R` or `depth.Z`.
     pub name: String,
     /// `width × height` values, the top row first.
@@ -60,7 +60,7 @@ pub struct Picture {
     /// Height of the data window in pixels.
     pub height: u32,
     /// The channels; names must differ.
-    pub channels: Vec<Layer>,
+    pub channels: Vec<Channel>,
     /// Attributes by name; names must differ. Kept by OpenEXR only.
     pub metadata: Vec<(String, MetadataValue)>,
     /// The data window's left top corner, in the coordinates of the display window.
@@ -105,11 +105,11 @@ impl Picture {
 
     /// Adds a channel.
     pub fn push(&mut self, name: impl Into<String>, data: Vec<f32>) {
-        self.channels.push(Layer { name: name.into(), data });
+        self.channels.push(Channel { name: name.into(), data });
     }
 
     /// The channel of this name.
-    pub fn channel(&self, name: &str) -> Option<&Layer> {
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
@@ -220,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn main_layer_prefers_plain_colour_then_grey_then_the_first_group() {
+    fn main_layer_prefers_plain_color_then_grey_then_the_first_group() {
         let plain = find_main_layer(&["albedo.R", "A", "B", "G", "R"]).unwrap();
         assert_eq!(plain, MainLayer { color: [4, 3, 2], alpha: Some(1), is_grey: false });
         let grey = find_main_layer(&["x.R", "x.G", "x.B", "Y"]).unwrap();
@@ -240,13 +240,13 @@ mod tests {
         assert_eq!(picture.validate(), Ok(()));
         picture.push("R", vec![0.0; 2]);
         assert!(picture.validate().unwrap_err().to_string().contains("'R' occurs twice"));
-        picture.channels[1] = Layer { name: "G".into(), data: vec![0.0; 3] };
+        picture.channels[1] = Channel { name: "G".into(), data: vec![0.0; 3] };
         assert!(picture.validate().unwrap_err().to_string().contains("3 values instead of 2"));
         assert!(Picture::new(0, 4).validate().is_err());
     }
 
     #[test]
-    fn colours_survive_being_planar() {
+    fn colors_survive_being_planar() {
         let pixels = vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
         let image = ColorImage { width: 1, height: 2, pixels };
         assert_eq!(Picture::from_color_image(&image).to_color_image(), Ok(image));

@@ -62,7 +62,7 @@ fn flip_is_symmetric_and_zero_for_equal_images() {
 
 /// Black against white is the largest difference that has no colour: lightness differs by 100.
 #[test]
-fn flip_of_uniform_images_is_their_colour_difference() {
+fn flip_of_uniform_images_is_their_color_difference() {
     let (black, white) = (image(|_, _| [0.0; 3]), image(|_, _| [1.0; 3]));
     let map = flip(&white, &black, DEFAULT_PIXELS_PER_DEGREE).unwrap();
     let first = map.values[0];

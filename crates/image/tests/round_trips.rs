@@ -81,7 +81,7 @@ fn exr_halves_round_to_nearest_and_saturate() {
 }
 
 #[test]
-fn pfm_keeps_colour_and_grey_exactly() {
+fn pfm_keeps_color_and_grey_exactly() {
     for names in [&["R", "G", "B"][..], &["Y"]] {
         let picture = ramps(names);
         let bytes = encode(&picture, FileFormat::Pfm, &EncodeOptions::default()).unwrap();

@@ -3,9 +3,9 @@
 use crate::nested::{Nested, Rows, sample_alone, write};
 use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters, list_names, near_names};
-use etendue_render::bsdf::Bsdf;
-use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
-use etendue_sampling::SampleStream;
+use etendue_sampling::Sampler;
+use etendue_scene::bsdf::Bsdf;
+use etendue_scene::{Manual, ParameterManual, Scene, SurfaceInteraction};
 use glam::Vec3;
 
 /// The manual page.
@@ -137,7 +137,7 @@ impl Integrator for Aov {
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
         layers: &mut [f32],
     ) -> Radiance {
         sample_alone(self, scene, start, stream, layers)

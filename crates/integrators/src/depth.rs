@@ -1,8 +1,8 @@
 //! `depth`: the distance to what is seen.
 
 use crate::{Integrator, Radiance, Start};
-use etendue_render::{Manual, Scene};
-use etendue_sampling::SampleStream;
+use etendue_sampling::Sampler;
+use etendue_scene::{Manual, Scene};
 use etendue_spectrum::Spectrum;
 
 /// The manual page.
@@ -18,13 +18,7 @@ pub(crate) const MANUAL: Manual = Manual {
 pub struct Depth;
 
 impl Integrator for Depth {
-    fn sample(
-        &self,
-        scene: &Scene,
-        start: &Start,
-        _: &mut SampleStream,
-        _: &mut [f32],
-    ) -> Radiance {
+    fn sample(&self, scene: &Scene, start: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
         scene.intersect(&start.ray).map_or(Radiance::NONE, |surface| Radiance {
             color: Spectrum::splat(surface.t),
             alpha: 1.0,

@@ -4,9 +4,9 @@ use crate::light::{NextEvent, Origin, distant, emitted, first_sight};
 use crate::path::HIDE_EMITTERS;
 use crate::{Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters};
-use etendue_render::bsdf::{Bsdf, Lobe, Transport};
-use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
-use etendue_sampling::SampleStream;
+use etendue_sampling::Sampler;
+use etendue_scene::bsdf::{Bsdf, Lobe, Transport};
+use etendue_scene::{Manual, ParameterManual, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 
 /// The manual page.
@@ -79,7 +79,7 @@ impl Direct {
         scene: &Scene,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
     ) -> Spectrum {
         if self.emitter_samples == 0 || !bsdf.has_smooth_lobe() {
             return Spectrum::ZERO;
@@ -97,7 +97,7 @@ impl Direct {
         scene: &Scene,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
     ) -> Spectrum {
         let scatter_ratio = self.bsdf_samples as f32 / self.emitter_samples as f32;
         let mut sum = Spectrum::ZERO;
@@ -129,7 +129,7 @@ impl Integrator for Direct {
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
         _: &mut [f32],
     ) -> Radiance {
         let ray = &start.ray;

@@ -2,7 +2,7 @@
 //!
 //! # Contract
 //! - A camera sample is a pure function of the scene, the ray and the random numbers of its
-//!   [`SampleStream`]; nothing is kept from one to the next.
+//!   [`Sampler`]; nothing is kept from one to the next.
 //! - The estimate's expected value is the radiance along the ray. Results that are not finite are
 //!   the caller's to count and to leave out.
 #![forbid(unsafe_code)]
@@ -17,7 +17,7 @@ mod nested;
 mod path;
 mod ptracer;
 mod registry;
-mod sheet;
+mod thin_sheet;
 mod volpath;
 mod volpathmis;
 
@@ -31,9 +31,9 @@ pub use registry::{INTEGRATORS, IntegratorOptions, build_integrator, plugins};
 pub use volpath::VolumePath;
 
 use etendue_math::Ray;
-use etendue_render::sensor::Sensor;
-use etendue_render::{MediumId, Scene};
-use etendue_sampling::SampleStream;
+use etendue_sampling::Sampler;
+use etendue_scene::sensor::Sensor;
+use etendue_scene::{MediumId, Scene};
 use etendue_spectrum::Spectrum;
 use glam::Vec2;
 
@@ -62,7 +62,7 @@ pub struct Start {
 
 /// What particles leave their mark on.
 #[derive(Clone, Copy, Debug)]
-pub struct Screen<'a> {
+pub struct SplatTarget<'a> {
     /// The sensor.
     pub sensor: &'a Sensor,
     /// How far beyond the film's edges light counts, in sizes of the film: the reconstruction filter
@@ -70,7 +70,7 @@ pub struct Screen<'a> {
     pub margin: Vec2,
 }
 
-impl Screen<'_> {
+impl SplatTarget<'_> {
     /// Whether light at a place on the film counts.
     #[must_use]
     pub fn holds(&self, film_position: Vec2) -> bool {
@@ -81,7 +81,7 @@ impl Screen<'_> {
 
 /// Takes what a particle leaves on the film: the place on the whole film, which is [0, 1)², and what it
 /// adds to the film's mean radiance.
-pub type Deposit<'a> = dyn FnMut(Vec2, Spectrum) + 'a;
+pub type AddSplat<'a> = dyn FnMut(Vec2, Spectrum) + 'a;
 
 /// A camera sample before it is taken.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +89,7 @@ pub struct CameraRay {
     /// Where it starts.
     pub start: Start,
     /// The random numbers that are left.
-    pub stream: SampleStream,
+    pub stream: Sampler,
 }
 
 /// A way to compute light.
@@ -106,7 +106,7 @@ pub trait Integrator: Send + Sync {
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
         layers: &mut [f32],
     ) -> Radiance;
 
@@ -136,9 +136,9 @@ pub trait Integrator: Send + Sync {
     fn trace_particle(
         &self,
         _scene: &Scene,
-        _screen: Screen<'_>,
-        _stream: &mut SampleStream,
-        _deposit: &mut Deposit<'_>,
+        _screen: SplatTarget<'_>,
+        _stream: &mut Sampler,
+        _deposit: &mut AddSplat<'_>,
     ) {
     }
 }

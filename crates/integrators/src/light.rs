@@ -4,9 +4,9 @@
 use crate::Radiance;
 use etendue_math::Ray;
 use etendue_math::lanes::Real;
-use etendue_render::bsdf::{Bsdf, Transport};
-use etendue_render::emitter::DirectionSample;
-use etendue_render::{Hit, Scene, SurfaceInteraction};
+use etendue_scene::bsdf::{Bsdf, Transport};
+use etendue_scene::emitter::DirectionSample;
+use etendue_scene::{Hit, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 
@@ -39,7 +39,7 @@ impl Origin {
     fn weight(
         &self,
         scene: &Scene,
-        emitter: etendue_render::EmitterId,
+        emitter: etendue_scene::EmitterId,
         direction: Vec3,
         surface: Option<&SurfaceInteraction>,
     ) -> f32 {

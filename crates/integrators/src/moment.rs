@@ -2,9 +2,9 @@
 
 use crate::nested::{Nested, Rows, sample_alone};
 use crate::{CameraRay, Integrator, Radiance, Start};
-use etendue_render::{Manual, Scene};
-use etendue_sampling::SampleStream;
-use etendue_spectrum::colour::rgb_to_xyz;
+use etendue_sampling::Sampler;
+use etendue_scene::{Manual, Scene};
+use etendue_spectrum::color::rgb_to_xyz;
 
 /// The manual page.
 pub(crate) const MANUAL: Manual = Manual {
@@ -49,7 +49,7 @@ impl Integrator for Moment {
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
         layers: &mut [f32],
     ) -> Radiance {
         sample_alone(self, scene, start, stream, layers)

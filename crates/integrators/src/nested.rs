@@ -1,8 +1,8 @@
 //! An integrator inside another one: its name, and its place among the layers.
 
 use crate::{CameraRay, Integrator, Radiance, Start};
-use etendue_render::Scene;
-use etendue_sampling::SampleStream;
+use etendue_sampling::Sampler;
+use etendue_scene::Scene;
 
 /// A nested integrator.
 pub(crate) struct Nested {
@@ -69,7 +69,7 @@ pub(crate) fn sample_alone(
     integrator: &impl Integrator,
     scene: &Scene,
     start: &Start,
-    stream: &mut SampleStream,
+    stream: &mut Sampler,
     layers: &mut [f32],
 ) -> Radiance {
     let mut rays = [CameraRay { start: *start, stream: *stream }];

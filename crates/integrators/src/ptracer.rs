@@ -2,13 +2,13 @@
 
 use crate::light::{Origin, emitted, first_hit, first_sight};
 use crate::path::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH, depths};
-use crate::{Deposit, Integrator, Radiance, Screen, Start};
+use crate::{AddSplat, Integrator, Radiance, SplatTarget, Start};
 use etendue_document::Parameters;
 use etendue_math::Ray;
-use etendue_render::bsdf::{Bsdf, Lobe, Transport};
-use etendue_render::sensor::Connection;
-use etendue_render::{Manual, ParameterManual, Scene, SurfaceInteraction};
-use etendue_sampling::SampleStream;
+use etendue_sampling::Sampler;
+use etendue_scene::bsdf::{Bsdf, Lobe, Transport};
+use etendue_scene::sensor::Connection;
+use etendue_scene::{Manual, ParameterManual, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::Vec2;
 
@@ -67,11 +67,11 @@ impl ParticleTracer {
     }
 
     /// Lets a particle start at an emitter.
-    fn emit(scene: &Scene, stream: &mut SampleStream) -> Option<Particle> {
+    fn emit(scene: &Scene, stream: &mut Sampler) -> Option<Particle> {
         let mut choice_random = stream.next_1d();
         let (place, direction) = (stream.next_2d(), stream.next_2d());
         let choice = scene.choose_emitter(&mut choice_random)?;
-        let leaving = scene.emitter(choice.emitter).sample_leaving(scene, place, direction)?;
+        let leaving = scene.emitter(choice.emitter).sample_ray(scene, place, direction)?;
         let power = leaving.power / choice.probability;
         Some(Particle { ray: leaving.ray, power, start: power.max_component(), eta: 1.0 })
     }
@@ -119,7 +119,7 @@ impl ParticleTracer {
         &self,
         (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
         particle: &mut Particle,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
         depth: u32,
     ) -> bool {
         let direction = stream.next_2d();
@@ -166,13 +166,7 @@ fn shading_correction(
 
 impl Integrator for ParticleTracer {
     /// What the camera sees shine by itself.
-    fn sample(
-        &self,
-        scene: &Scene,
-        start: &Start,
-        _: &mut SampleStream,
-        _: &mut [f32],
-    ) -> Radiance {
+    fn sample(&self, scene: &Scene, start: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
         let ray = &start.ray;
         let seen = Origin { point: ray.origin, pdf: None };
         let radiance = first_sight(scene, ray, self.hide_emitters).map_or_else(
@@ -192,9 +186,9 @@ impl Integrator for ParticleTracer {
     fn trace_particle(
         &self,
         scene: &Scene,
-        screen: Screen<'_>,
-        stream: &mut SampleStream,
-        deposit: &mut Deposit<'_>,
+        target: SplatTarget<'_>,
+        stream: &mut Sampler,
+        add_splat: &mut AddSplat<'_>,
     ) {
         let Some(mut particle) = Self::emit(scene, stream) else { return };
         // The last edge leads to the camera.
@@ -202,12 +196,12 @@ impl Integrator for ParticleTracer {
         while depth < self.max_depth {
             let Some(surface) = scene.intersect(&particle.ray) else { return };
             let bsdf = scene.prepare_bsdf(&surface);
-            let connection = screen.sensor.connect(surface.point, stream.next_2d());
-            let connection = connection.filter(|found| screen.holds(found.film_position));
+            let connection = target.sensor.connect(surface.point, stream.next_2d());
+            let connection = connection.filter(|found| target.holds(found.film_position));
             if let Some(connection) = connection {
                 let color = self.connect(scene, (&surface, &bsdf), &particle, &connection);
                 if !color.is_black() {
-                    deposit(connection.film_position, color);
+                    add_splat(connection.film_position, color);
                 }
             }
             if !self.scatter((&surface, &bsdf), &mut particle, stream, depth) {

@@ -7,8 +7,8 @@ use crate::{
 use etendue_document::{
     Child, Class, Diagnostic, Diagnostics, Document, Fault, NodeId, Parameters, Span,
 };
-use etendue_render::Manual;
-use etendue_render::registry::report_unknown;
+use etendue_scene::Manual;
+use etendue_scene::registry::report_unknown;
 
 /// What the user of the library decides about how light is computed, over what the scene says.
 #[derive(Clone, Debug)]

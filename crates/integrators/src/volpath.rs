@@ -1,18 +1,16 @@
 //! `volpath`: path tracing through participating media.
 
-use crate::media::{Connection, Event, Heuristic, Traveller, Vertex, Weights};
+use crate::media::{Connection, Event, Heuristic, MediumWalk, Vertex, Weights};
 use crate::path::{HIDE_EMITTERS, depths};
-use crate::sheet::Sheet;
+use crate::thin_sheet::ThinSheet;
 use crate::{Integrator, Radiance, Start};
 use etendue_document::Parameters;
 use etendue_math::Ray;
-use etendue_render::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
-use etendue_render::emitter::DirectionSample;
-use etendue_render::phase::Site;
-use etendue_render::{
-    EmitterId, Hit, Manual, MediumId, ParameterManual, Scene, SurfaceInteraction,
-};
-use etendue_sampling::SampleStream;
+use etendue_sampling::Sampler;
+use etendue_scene::bsdf::{Bsdf, BsdfSample, Lobe, Transport};
+use etendue_scene::emitter::DirectionSample;
+use etendue_scene::phase::MediumInteraction;
+use etendue_scene::{EmitterId, Hit, Manual, MediumId, ParameterManual, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 
@@ -83,7 +81,7 @@ impl VolumePath {
 
 /// A path on its way.
 struct State {
-    traveller: Traveller,
+    walk: MediumWalk,
     weights: Weights,
     /// The last vertex that scattered light.
     origin: Vec3,
@@ -91,7 +89,7 @@ struct State {
     /// not lost to roulette for being compressed in it.
     eta: f32,
     /// The masked sheet that the path has just passed straight through.
-    sheet: Option<Sheet>,
+    sheet: Option<ThinSheet>,
     /// Edges so far.
     depth: u32,
     radiance: Spectrum,
@@ -109,7 +107,7 @@ struct Numbers {
 
 impl Numbers {
     #[inline]
-    fn draw(stream: &mut SampleStream) -> Self {
+    fn draw(stream: &mut Sampler) -> Self {
         let (emitter, direction) = (stream.next_2d(), stream.next_2d());
         let Vec2 { x: lobe, y: roulette } = stream.next_independent_2d();
         Self { emitter, direction, lobe, roulette }
@@ -121,11 +119,11 @@ impl Integrator for VolumePath {
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
         _: &mut [f32],
     ) -> Radiance {
         let mut path = State {
-            traveller: Traveller::new(start.ray, start.medium, stream),
+            walk: MediumWalk::new(start.ray, start.medium, stream),
             weights: Weights::new(),
             origin: start.ray.origin,
             eta: 1.0,
@@ -135,7 +133,7 @@ impl Integrator for VolumePath {
             alpha: 0.0,
         };
         while path.depth < self.max_depth {
-            let goes_on = match path.traveller.travel(scene, &mut path.weights) {
+            let goes_on = match path.walk.travel(scene, &mut path.weights) {
                 Event::Surface(hit) => self.meet(scene, &mut path, &hit, stream),
                 Event::Scattering(medium, point) => {
                     self.scatter(scene, &mut path, (medium, point), stream)
@@ -160,7 +158,7 @@ impl VolumePath {
         if self.hide_emitters && path.depth == 0 {
             return;
         }
-        let direction = path.traveller.ray.direction;
+        let direction = path.walk.ray.direction;
         for &emitter in scene.environments() {
             let radiance = scene.emitter(emitter).distant_radiance(direction);
             self.find(scene, path, (emitter, radiance), None);
@@ -183,7 +181,7 @@ impl VolumePath {
             return;
         }
         let weight = path.weights.of_chance(self.heuristic, || {
-            let direction = path.traveller.ray.direction;
+            let direction = path.walk.ray.direction;
             let pdf = scene.emitter(emitter).pdf_direction(scene, path.origin, direction, surface);
             pdf * scene.emitter_probability(emitter)
         });
@@ -191,27 +189,27 @@ impl VolumePath {
     }
 
     /// The path has met a surface; false where it ends.
-    fn meet(&self, scene: &Scene, path: &mut State, hit: &Hit, stream: &mut SampleStream) -> bool {
-        let surface = scene.interaction(&path.traveller.ray, hit);
+    fn meet(&self, scene: &Scene, path: &mut State, hit: &Hit, stream: &mut Sampler) -> bool {
+        let surface = scene.interaction(&path.walk.ray, hit);
         if path.sheet.as_mut().is_some_and(|sheet| sheet.holds(&surface)) {
-            path.traveller.leave(scene, &surface, path.traveller.ray.direction);
+            path.walk.leave(scene, &surface, path.walk.ray.direction);
             return true;
         }
         path.sheet = None;
         if let Some(emitter) = scene.emitter_of(&surface) {
             if self.hide_emitters && path.depth == 0 {
-                path.traveller.leave(scene, &surface, path.traveller.ray.direction);
+                path.walk.leave(scene, &surface, path.walk.ray.direction);
                 return true;
             }
             let radiance = scene.emitter(emitter).surface_radiance(scene, &surface);
             self.find(scene, path, (emitter, radiance), Some(&surface));
         }
         let bsdf = scene.prepare_bsdf(&surface);
-        let (share, probability) = bsdf.straight(surface.wi);
+        let (share, probability) = bsdf.null_transmission(surface.wi);
         if probability == 1.0 {
-            path.sheet = Some(Sheet::new(surface.shape, surface.point));
+            path.sheet = Some(ThinSheet::new(surface.shape, surface.point));
             path.weights.throughput *= share;
-            path.traveller.leave(scene, &surface, path.traveller.ray.direction);
+            path.walk.leave(scene, &surface, path.walk.ray.direction);
             return !path.weights.throughput.is_black();
         }
         let numbers = Numbers::draw(stream);
@@ -235,9 +233,9 @@ impl VolumePath {
             path.alpha = 1.0;
             return false;
         };
-        path.traveller.leave(scene, surface, surface.to_world(wo));
+        path.walk.leave(scene, surface, surface.to_world(wo));
         if lobe == Lobe::Null {
-            path.sheet = Some(Sheet::new(surface.shape, surface.point));
+            path.sheet = Some(ThinSheet::new(surface.shape, surface.point));
             return path.weights.pass(weight, pdf);
         }
         path.alpha = 1.0;
@@ -268,7 +266,7 @@ impl VolumePath {
         scene: &Scene,
         path: &mut State,
         (medium, point): (MediumId, Vec3),
-        stream: &mut SampleStream,
+        stream: &mut Sampler,
     ) -> bool {
         path.alpha = 1.0;
         path.sheet = None;
@@ -277,7 +275,7 @@ impl VolumePath {
             return false;
         }
         let medium = scene.medium(medium);
-        let site = Site { point, wi: -path.traveller.ray.direction };
+        let site = MediumInteraction { point, wi: -path.walk.ray.direction };
         let numbers = Numbers::draw(stream);
         let competes = self.emitter_sampling && medium.sample_emitters;
         if competes && let Some(light) = scene.sample_light(point, numbers.emitter) {
@@ -289,7 +287,7 @@ impl VolumePath {
         };
         path.weights.turn(Spectrum::ONE, sample.pdf, competes);
         path.origin = point;
-        path.traveller.ray = Ray::new(point, sample.wo);
+        path.walk.ray = Ray::new(point, sample.wo);
         self.survives(path, numbers.roulette)
     }
 
@@ -306,10 +304,11 @@ impl VolumePath {
         if contribution.is_black() {
             return;
         }
-        let connection = Connection::new(scene, vertex, light, &mut path.traveller);
-        let Some(Connection { transmittance, led }) = connection else { return };
+        let connection = Connection::new(scene, vertex, light, &mut path.walk);
+        let Some(Connection { transmittance, unidirectional_pdf }) = connection else { return };
         let chance = if light.delta { 0.0 } else { pdf };
-        let weight = path.weights.of_connection(self.heuristic, light.pdf, chance, led);
+        let weight =
+            path.weights.of_connection(self.heuristic, light.pdf, chance, unidirectional_pdf);
         path.radiance += contribution * transmittance * (weight / light.pdf);
     }
 

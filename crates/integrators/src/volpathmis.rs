@@ -4,7 +4,7 @@ use crate::VolumePath;
 use crate::media::Heuristic;
 use crate::volpath::PARAMETERS;
 use etendue_document::Parameters;
-use etendue_render::Manual;
+use etendue_scene::Manual;
 
 /// The manual page.
 pub(crate) const MANUAL: Manual = Manual {

@@ -6,8 +6,8 @@ use etendue_integrators::{
 };
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, load_str};
-use etendue_render::{BuildOptions, Scene, Tier, build_scene};
 use etendue_sampling::{SamplerKind, SamplerSpec};
+use etendue_scene::{BuildOptions, Scene, Tier, build_scene};
 use glam::{UVec2, Vec3};
 
 /// A tetrahedron with normals and surface coordinates, of which one face has none.

@@ -4,9 +4,9 @@ use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, load_str};
-use etendue_render::{BuildOptions, Scene, build_scene};
 use etendue_sampling::{SamplerKind, SamplerSpec};
-use etendue_spectrum::colour::rgb_to_xyz;
+use etendue_scene::{BuildOptions, Scene, build_scene};
+use etendue_spectrum::color::rgb_to_xyz;
 use etendue_testkit::{Accumulator, welch};
 use glam::{UVec2, Vec3};
 

@@ -4,8 +4,8 @@ use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, load_str};
-use etendue_render::{BuildOptions, Scene, build_scene};
 use etendue_sampling::{SamplerKind, SamplerSpec};
+use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::{Accumulator, welch};
 use glam::{UVec2, Vec3};
 
@@ -233,10 +233,12 @@ fn a_ray_may_start_inside() {
     let text = ball(&format!(r#"{HOMOGENEOUS}<float name="albedo" value="0"/>"#), "null")
         + r#"<emitter type="constant"/>"#;
     let setup = setup(&unlimited("volpath"), &text, true);
-    let medium = setup
-        .scene
-        .intersect(&Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z))
-        .and_then(|surface| setup.scene.boundary(&surface).and_then(|boundary| boundary.interior));
+    let medium = setup.scene.intersect(&Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z)).and_then(|surface| {
+        setup
+            .scene
+            .medium_interface(&surface)
+            .and_then(|medium_interface| medium_interface.interior)
+    });
     let start = Start { ray: Ray::new(Vec3::ZERO, Vec3::X), medium };
     let spec = SamplerSpec::new(SamplerKind::Independent, 20_000, 5);
     let mut found = [(); 3].map(|()| Accumulator::default());

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use etendue_document::{
-    Child, Class, Diagnostic, Diagnostics, Document, Fault, List, Name, Names, Node, NodeId,
+    Child, Class, Diagnostic, Diagnostics, Document, Fault, List, Name, NameInterner, Node, NodeId,
     Parameter, Resolver, Resources, SourceId, Sources, Span, Value, list_names, near_names,
     normalise,
 };
@@ -42,7 +42,7 @@ pub(crate) struct Loader<'a> {
     pub(crate) missing_includes: usize,
     pub(crate) total_bytes: usize,
     /// The names of plugins, parameters and roles.
-    pub(crate) names: Names,
+    pub(crate) names: NameInterner,
     /// The major version that each file claims.
     versions: Versions,
     nodes: Vec<Node>,
@@ -75,7 +75,7 @@ impl<'a> Loader<'a> {
             defines: Defines::new(&options.defines, options.limits.expansion_bytes),
             source: SourceId::default(),
             origin: Origin::default(),
-            names: Names::default(),
+            names: NameInterner::default(),
             open_files: Vec::new(),
             include_count: 0,
             missing_includes: 0,

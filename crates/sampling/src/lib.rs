@@ -1,6 +1,6 @@
 //! Counter-based random numbers, low-discrepancy sequences, warps, distributions and alias tables.
 //!
-//! * [`SamplerSpec`] and [`SampleStream`]: the random numbers of one camera sample, a pure function
+//! * [`SamplerSpec`] and [`Sampler`]: the random numbers of one camera sample, a pure function
 //!   of seed, pixel, sample index and dimension.
 //! * [`warp`]: maps from the unit square to disks, spheres, cones, triangles and so on, each with its
 //!   density and its inverse.
@@ -20,13 +20,13 @@
 
 mod distribution;
 pub mod hash;
-mod stream;
+mod sampler;
 pub mod warp;
 
 pub use distribution::{
     AliasSample, AliasTable, BilinearDistribution2D, Distribution1D, Distribution2D, FilterSample,
     TabulatedFilter, WeightError,
 };
-pub use stream::{
-    NumberBlock, PixelSampler, SampleStream, SamplerKind, SamplerSpec, draw_points, draw_vertices,
+pub use sampler::{
+    PixelSampler, RandomBatch, Sampler, SamplerKind, SamplerSpec, draw_points, draw_vertices,
 };

@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_those_of_a_spectral_rendering() {
+    fn colors_are_those_of_a_spectral_rendering() {
         // A constant emitter rendered by Mitsuba 3.9.1 in `scalar_spectral` with 262144 samples. It
         // divides by a sum of ȳ that is a thousandth smaller, and its noise is some 2e-4.
         let cases = [
@@ -92,13 +92,13 @@ mod tests {
     }
 
     #[test]
-    fn colours_outside_the_gamut_are_limited() {
+    fn colors_outside_the_gamut_are_limited() {
         assert_eq!(blackbody_rgb(1500.0)[2], 0.0);
         assert!(blackbody_rgb(2000.0)[2] > 0.0);
     }
 
     #[test]
-    fn absurd_temperatures_give_finite_colours() {
+    fn absurd_temperatures_give_finite_colors() {
         for temperature in [0.0, -5.0, f64::NAN, 1e-300, 1.0] {
             assert_eq!(blackbody_rgb(temperature), [0.0; 3], "{temperature}");
         }

@@ -1,7 +1,7 @@
 //! The CIE 1931 standard observer and illuminant D65, and the integrals that turn a spectrum into
 //! a colour.
 
-use crate::colour::xyz_to_rgb_f64;
+use crate::color::xyz_to_rgb_f64;
 use crate::table::parse_table;
 
 /// The shortest wavelength of the observer's table, in nanometres.
@@ -30,7 +30,7 @@ const SAMPLE_COUNT: u32 = 1000;
 /// x̄, ȳ and z̄ at a wavelength in nanometres, linear between the tabulated 5 nm; zero outside
 /// 360 to 830 nm.
 #[must_use]
-pub fn colour_matching(wavelength_nm: f64) -> [f64; 3] {
+pub fn color_matching(wavelength_nm: f64) -> [f64; 3] {
     let [_, x, y, z] = interpolate(&OBSERVER, wavelength_nm);
     [x, y, z]
 }
@@ -51,7 +51,7 @@ pub(crate) fn integrate(density: impl Fn(f64) -> f64) -> [f64; 3] {
     for sample in 0..SAMPLE_COUNT {
         let fraction = f64::from(sample) / f64::from(SAMPLE_COUNT - 1);
         let wavelength_nm = WAVELENGTH_MIN + fraction * (WAVELENGTH_MAX - WAVELENGTH_MIN);
-        let matching = colour_matching(wavelength_nm);
+        let matching = color_matching(wavelength_nm);
         let value = density(wavelength_nm);
         for (sum, weight) in xyz.iter_mut().zip(matching) {
             *sum += weight * value;
@@ -91,17 +91,17 @@ mod tests {
 
     #[test]
     fn observer_peaks_in_the_green_with_one() {
-        assert_eq!(colour_matching(555.0), [0.512_050_1, 1.0, 0.005_749_999]);
-        assert_eq!(colour_matching(600.0), [1.0622, 0.631, 0.0008]);
+        assert_eq!(color_matching(555.0), [0.512_050_1, 1.0, 0.005_749_999]);
+        assert_eq!(color_matching(600.0), [1.0622, 0.631, 0.0008]);
     }
 
     #[test]
     fn nothing_is_seen_outside_the_range() {
         for wavelength in [359.9, 830.1, f64::NAN, f64::INFINITY, -1.0] {
-            assert_eq!(colour_matching(wavelength), [0.0; 3]);
+            assert_eq!(color_matching(wavelength), [0.0; 3]);
             assert_eq!(d65(wavelength), 0.0);
         }
-        assert!(colour_matching(830.0)[1] > 0.0 && d65(360.0) > 0.0);
+        assert!(color_matching(830.0)[1] > 0.0 && d65(360.0) > 0.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Spectral data as linear Rec. 709 colour, the way Mitsuba 3's RGB variants read it.
 
 use crate::cie::{d65, integrate};
-use crate::colour::xyz_to_rgb;
+use crate::color::xyz_to_rgb;
 use crate::{SampledSpectrum, Spectrum};
 
 /// What a spectrum in a scene stands for. It decides which illuminant the spectrum is seen under
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_give_the_colours_of_mitsuba() {
+    fn samples_give_the_colors_of_mitsuba() {
         let ramp = sampled(&[(400.0, 0.1), (500.0, 0.5), (700.0, 0.9)]);
         let under_daylight = [0.775_405, 0.593_508, 0.277_033];
         assert_mitsuba(ramp.to_rgb(SpectrumUse::Reflectance), under_daylight);
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_beyond_the_gamut_are_limited() {
+    fn colors_beyond_the_gamut_are_limited() {
         let bright = sampled(&[(400.0, 3.0), (700.0, 1.0)]);
         assert_eq!(bright.to_rgb(SpectrumUse::Reflectance), [1.0; 3]);
         assert_mitsuba(bright.to_rgb(SpectrumUse::Unbounded), [1.377_73, 2.046_36, 2.712_64]);

@@ -7,7 +7,7 @@
 
 mod blackbody;
 pub mod cie;
-pub mod colour;
+pub mod color;
 mod conversion;
 mod lanes;
 mod materials;

@@ -94,7 +94,7 @@ mod tests {
     const MITSUBA: &str = include_str!("../data/metals_rgb.txt");
 
     #[test]
-    fn every_metal_has_the_colours_of_mitsuba() {
+    fn every_metal_has_the_colors_of_mitsuba() {
         let rows = MITSUBA.lines().filter(|line| !line.starts_with('#'));
         let mut names: Vec<&str> = Vec::new();
         for row in rows {

@@ -4,7 +4,7 @@ use std::ops::Index;
 
 use glam::{Vec3, Vec4};
 
-use crate::colour::LUMINANCE_WEIGHTS;
+use crate::color::LUMINANCE_WEIGHTS;
 
 /// A colour-dependent quantity: radiance, reflectance, a scattering coefficient.
 ///

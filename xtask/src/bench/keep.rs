@@ -7,7 +7,7 @@ use crate::workspace::root;
 
 /// What becomes of the figures.
 #[derive(Debug, Args)]
-pub(super) struct Keeping {
+pub(super) struct SavedRun {
     /// Prints JSON, for programs, in place of a table
     #[arg(long)]
     json: bool,
@@ -17,7 +17,7 @@ pub(super) struct Keeping {
     keep: Option<String>,
 }
 
-impl Keeping {
+impl SavedRun {
     /// Whether figures are wanted as JSON at all.
     pub(super) fn wants_json(&self) -> bool {
         self.json || self.keep.is_some()
@@ -39,13 +39,13 @@ fn folder_name(name: &str) -> Result<String, String> {
 }
 
 /// Prints and keeps the figures of the benchmark `name` as they are wanted.
-pub(super) fn finish(name: &str, figures: &Value, keeping: &Keeping) -> Result<(), String> {
+pub(super) fn finish(name: &str, figures: &Value, keeping: &SavedRun) -> Result<(), String> {
     let json = serde_json::to_string_pretty(figures).map_err(|error| error.to_string())? + "\n";
     text(name, &json, keeping)
 }
 
 /// The same for figures that are JSON already.
-pub(super) fn text(name: &str, text: &str, keeping: &Keeping) -> Result<(), String> {
+pub(super) fn text(name: &str, text: &str, keeping: &SavedRun) -> Result<(), String> {
     if keeping.json {
         print!("{text}");
     }

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use clap::{Parser, ValueEnum};
 
 use super::embree;
-use super::keep::{self, Keeping};
+use super::keep::{self, SavedRun};
 use crate::generate;
 use crate::workspace::{cargo, root};
 
@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "COUNT")]
     batch: Option<usize>,
     #[command(flatten)]
-    keeping: Keeping,
+    keeping: SavedRun,
 }
 
 /// Another library.

@@ -7,7 +7,7 @@ use clap::Parser;
 use serde_json::{Value, json};
 
 use super::generated::{self, Kind};
-use super::keep::{self, Keeping};
+use super::keep::{self, SavedRun};
 use super::process::{self, Figures, Job};
 use crate::etendue;
 use crate::workspace::{cargo, root};
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     renders_only: bool,
     #[command(flatten)]
-    keeping: Keeping,
+    keeping: SavedRun,
 }
 
 /// What is counted, how many of them, and the megabytes that the largest number may take.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use serde_json::json;
 
-use super::keep::{self, Keeping};
+use super::keep::{self, SavedRun};
 use super::process::{self, Job};
 use crate::etendue;
 use crate::workspace::root;
@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "COUNT", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
     #[command(flatten)]
-    keeping: Keeping,
+    keeping: SavedRun,
 }
 
 /// Two threads must reach this share of what two processes reach.

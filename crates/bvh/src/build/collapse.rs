@@ -11,8 +11,8 @@ use super::top::{Place, Tree};
 use crate::error_bounds::padded;
 use crate::geometry::GeometryView;
 use crate::memory::{concatenate, vector_with_capacity};
-use crate::names::Names;
 use crate::node::{Child, Custom, Lengths, Node, TriangleBlock, WIDTH};
+use crate::triangle_numbers::TriangleNumbers;
 use rayon::prelude::*;
 
 /// What a subtree costs as at most 1, 2, … 7 children of a wide node.
@@ -263,7 +263,7 @@ impl Wide {
         &self,
         references: &[Reference],
         geometries: &[GeometryView<'_>],
-        names: &Names,
+        names: &TriangleNumbers,
     ) -> Vec<TriangleBlock> {
         let mut blocks = vector_with_capacity(self.block_ranges.len());
         self.block_ranges
@@ -297,7 +297,7 @@ fn distribute(tree: &Tree, binary: Place, children: usize, into: &mut Children) 
 fn fill_block(
     references: &[Reference],
     geometries: &[GeometryView<'_>],
-    names: &Names,
+    names: &TriangleNumbers,
 ) -> TriangleBlock {
     let mut block = TriangleBlock::EMPTY;
     let mut count = 0;

@@ -4,7 +4,7 @@
 //! of `traverse`), and have no place elsewhere: [`Avx2`] is named only there.
 
 use super::{PLACES, Simd};
-use crate::node::Lanes;
+use crate::node::F32x8;
 use std::arch::x86_64::*;
 
 /// The AVX2 tier.
@@ -14,7 +14,7 @@ pub(crate) struct Avx2;
 macro_rules! intrinsics {
     ($body:expr) => {
         // SAFETY: the entry points of `traverse` select this tier only after `Tier::is_available`
-        // has found AVX2 and FMA; references to `Lanes` are valid and aligned to 32 bytes.
+        // has found AVX2 and FMA; references to `F32x8` are valid and aligned to 32 bytes.
         unsafe { $body }
     };
 }
@@ -29,13 +29,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn load(lanes: &Lanes) -> __m256 {
+    fn load(lanes: &F32x8) -> __m256 {
         intrinsics!(_mm256_load_ps(lanes.0.as_ptr()))
     }
 
     #[inline(always)]
-    fn store(vector: __m256) -> Lanes {
-        let mut lanes = Lanes([0.0; 8]);
+    fn store(vector: __m256) -> F32x8 {
+        let mut lanes = F32x8([0.0; 8]);
         intrinsics!(_mm256_store_ps(lanes.0.as_mut_ptr(), vector));
         lanes
     }

@@ -1,7 +1,7 @@
 //! Eight lanes as an array: the tier of every machine, and the oracle of the others.
 
 use super::{PLACES, Simd};
-use crate::node::{Lanes, WIDTH};
+use crate::node::{F32x8, WIDTH};
 
 /// The portable tier.
 pub(crate) struct Portable;
@@ -26,13 +26,13 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn load(lanes: &Lanes) -> Self::Vector {
+    fn load(lanes: &F32x8) -> Self::Vector {
         lanes.0
     }
 
     #[inline(always)]
-    fn store(vector: Self::Vector) -> Lanes {
-        Lanes(vector)
+    fn store(vector: Self::Vector) -> F32x8 {
+        F32x8(vector)
     }
 
     #[inline(always)]

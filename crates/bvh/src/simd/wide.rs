@@ -1,6 +1,6 @@
 //! One number for each ray of a packet, by the instructions that the machine has.
 
-use crate::node::Lanes;
+use crate::node::F32x8;
 
 /// The most rays of a packet.
 pub(crate) const MOST: usize = 16;
@@ -60,7 +60,7 @@ pub(crate) trait Wide {
     /// The axes of the lanes: y in some, z in others, x elsewhere.
     fn axes(y: u32, z: u32) -> Self::Axes;
     /// The coordinates x, y and z of one vertex of the triangles of a block.
-    fn vertex(coordinates: &[Lanes; 3]) -> Self::Vertex<'_>;
+    fn vertex(coordinates: &[F32x8; 3]) -> Self::Vertex<'_>;
     /// A coordinate of a triangle's vertex, in each lane on its axis.
     fn coordinate(vertex: Self::Vertex<'_>, triangle: usize, axes: Self::Axes) -> Self::Vector;
 }

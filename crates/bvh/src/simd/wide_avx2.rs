@@ -5,7 +5,7 @@
 
 use super::avx2::Avx2;
 use super::wide::{MOST, Row, Wide};
-use crate::node::{Lanes, WIDTH};
+use crate::node::{F32x8, WIDTH};
 use std::arch::x86_64::*;
 
 /// Runs intrinsics that the tier's machine has.
@@ -32,7 +32,7 @@ impl Wide for Avx2 {
     type Vector = __m256;
     /// The lanes with y, and those with z.
     type Axes = (__m256, __m256);
-    type Vertex<'a> = &'a [Lanes; 3];
+    type Vertex<'a> = &'a [F32x8; 3];
 
     #[inline(always)]
     fn splat(value: f32) -> __m256 {
@@ -137,12 +137,12 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
-    fn vertex(coordinates: &[Lanes; 3]) -> Self::Vertex<'_> {
+    fn vertex(coordinates: &[F32x8; 3]) -> Self::Vertex<'_> {
         coordinates
     }
 
     #[inline(always)]
-    fn coordinate(vertex: &[Lanes; 3], triangle: usize, (on_y, on_z): Self::Axes) -> __m256 {
+    fn coordinate(vertex: &[F32x8; 3], triangle: usize, (on_y, on_z): Self::Axes) -> __m256 {
         let [x, y, z] = vertex;
         let lane = triangle & (WIDTH - 1);
         intrinsics!({

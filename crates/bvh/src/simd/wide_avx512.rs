@@ -4,7 +4,7 @@
 //! points of `traverse`), and have no place elsewhere: [`Avx512`] is named only there.
 
 use super::wide::{MOST, Row, Wide};
-use crate::node::{Lanes, WIDTH};
+use crate::node::{F32x8, WIDTH};
 use std::arch::x86_64::*;
 
 /// Packets of the AVX-512 tier.
@@ -134,7 +134,7 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    fn vertex(coordinates: &[Lanes; 3]) -> Self::Vertex<'_> {
+    fn vertex(coordinates: &[F32x8; 3]) -> Self::Vertex<'_> {
         intrinsics!((
             _mm512_loadu_ps(coordinates[0].0.as_ptr().cast()),
             _mm512_castps256_ps512(_mm256_load_ps(coordinates[2].0.as_ptr())),

@@ -4,10 +4,10 @@ use super::STACK_SIZE;
 use super::ray::{BoxConstants, RayConstants};
 use crate::bvh::{Bvh, Hit};
 use crate::geometry::Primitives;
-use crate::names::Names;
-use crate::node::{Child, ChildKind, Custom, Lanes, TriangleBlock, WIDTH};
+use crate::node::{Child, ChildKind, Custom, F32x8, TriangleBlock, WIDTH};
 use crate::simd::Simd;
 use crate::triangle::{Candidates, Resolved, intersect_block};
+use crate::triangle_numbers::TriangleNumbers;
 use etendue_math::Ray;
 use std::mem::MaybeUninit;
 use std::ops::Range;
@@ -43,19 +43,19 @@ struct Nearest<'a> {
 struct Details<'a> {
     /// What triangles are hit with: the edge functions and their sum, of all lanes of the block,
     /// because storing registers is cheaper than picking from them. Only the last block's count.
-    v: Lanes,
-    w: Lanes,
-    determinant: Lanes,
+    v: F32x8,
+    w: F32x8,
+    determinant: F32x8,
     /// What a user primitive or an instance reported; counts where no block is hit.
     custom: Option<Hit>,
     instance: u32,
-    names: &'a Names,
+    names: &'a TriangleNumbers,
 }
 
 impl<'a> Details<'a> {
     #[inline(always)]
-    fn new(instance: u32, names: &'a Names) -> Self {
-        let none = Lanes([0.0; WIDTH]);
+    fn new(instance: u32, names: &'a TriangleNumbers) -> Self {
+        let none = F32x8([0.0; WIDTH]);
         Self { v: none, w: none, determinant: none, custom: None, instance, names }
     }
 
@@ -155,7 +155,7 @@ impl<'a> Nearest<'a> {
             {
                 self.set(t, Some(block), lane);
                 (details.v, details.w) = (resolved.v, resolved.w);
-                details.determinant = Lanes([1.0; WIDTH]);
+                details.determinant = F32x8([1.0; WIDTH]);
             }
         }
     }

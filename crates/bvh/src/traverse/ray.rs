@@ -1,7 +1,7 @@
 //! What the tests need of a ray, computed once per ray.
 
 use crate::error_bounds::{LEAST_DIRECTION, PADDING};
-use crate::node::{Lanes, Node, TriangleBlock};
+use crate::node::{F32x8, Node, TriangleBlock};
 use crate::simd::Simd;
 use etendue_math::Ray;
 use glam::Vec3A;
@@ -68,7 +68,7 @@ impl RayConstants {
         Some(Self {
             origin: [place[x], place[y], place[z]],
             shear: [slope[x] * inverse_z, slope[y] * inverse_z, inverse_z],
-            axes: axes.map(|axis| axis * size_of::<Lanes>()),
+            axes: axes.map(|axis| axis * size_of::<F32x8>()),
             inverse,
         })
     }
@@ -80,10 +80,10 @@ impl RayConstants {
         block: &'a TriangleBlock,
         vertex: usize,
         axis: usize,
-    ) -> &'a Lanes {
+    ) -> &'a F32x8 {
         let coordinates = block.vertices[vertex].as_ptr().cast::<u8>();
-        // SAFETY: `axes` holds 0, 1 and 2 times the size of `Lanes`, in some order.
-        unsafe { &*coordinates.add(self.axes[axis]).cast::<Lanes>() }
+        // SAFETY: `axes` holds 0, 1 and 2 times the size of `F32x8`, in some order.
+        unsafe { &*coordinates.add(self.axes[axis]).cast::<F32x8>() }
     }
 }
 
@@ -117,8 +117,8 @@ static PLANES: [[usize; 6]; 8] = {
         let mut axis = 0;
         while axis < 3 {
             let side = signs >> axis & 1;
-            planes[signs][2 * axis] = (2 * axis + side) * size_of::<Lanes>();
-            planes[signs][2 * axis + 1] = (2 * axis + 1 - side) * size_of::<Lanes>();
+            planes[signs][2 * axis] = (2 * axis + side) * size_of::<F32x8>();
+            planes[signs][2 * axis + 1] = (2 * axis + 1 - side) * size_of::<F32x8>();
             axis += 1;
         }
         signs += 1;
@@ -197,7 +197,7 @@ impl<S: Simd> AxisConstants<S> {
     #[inline(always)]
     unsafe fn near(&self, offset: usize) -> S::Vector {
         // SAFETY: a plane of the first node and the distance of another give the other's plane.
-        let plane = unsafe { &*self.near_plane.add(offset).cast::<Lanes>() };
+        let plane = unsafe { &*self.near_plane.add(offset).cast::<F32x8>() };
         S::multiply_add(S::load(plane), self.inverse, self.near_offset)
     }
 
@@ -207,7 +207,7 @@ impl<S: Simd> AxisConstants<S> {
     #[inline(always)]
     unsafe fn far(&self, offset: usize) -> S::Vector {
         // SAFETY: a plane of the first node and the distance of another give the other's plane.
-        let plane = unsafe { &*self.far_plane.add(offset).cast::<Lanes>() };
+        let plane = unsafe { &*self.far_plane.add(offset).cast::<F32x8>() };
         S::multiply_add(S::load(plane), self.inverse, self.far_offset)
     }
 }

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::scene::SceneArguments;
+use crate::diagnostics::Detail;
 use crate::failure::{Failure, Status};
-use crate::findings::Detail;
-use crate::{findings, terminal};
+use crate::{diagnostics, terminal};
 
 /// What is checked.
 #[derive(Args, Debug)]
@@ -29,9 +29,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut status = Status::Fine;
     for path in &arguments.scenes {
         let loaded = arguments.scene.load(path, &workers)?;
-        findings::show_list(&loaded.findings, detail);
+        diagnostics::show_list(&loaded.diagnostics, detail);
         if !arguments.scene.quiet {
-            let summary = findings::summary(&loaded.findings);
+            let summary = diagnostics::summary(&loaded.diagnostics);
             terminal::result(&format!("{}: {summary}\n", path.display()))?;
         }
         if loaded.content.is_none() {

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use etendue::scene::SensorSetup;
-use etendue::{Content, Loaded};
+use etendue::{Loaded, LoadedScene};
 use serde_json::{Value, json};
 
 use super::scene::SceneArguments;
 use crate::failure::{Failure, Status};
 use crate::text::{bytes, duration, grouped};
-use crate::{findings, terminal};
+use crate::{diagnostics, terminal};
 
 /// What is shown, and how.
 #[derive(Args, Debug)]
@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let workers = arguments.scene.workers()?;
     let loaded = arguments.scene.load(&arguments.path, &workers)?;
-    findings::show(&loaded.findings, arguments.scene.detail());
+    diagnostics::show(&loaded.diagnostics, arguments.scene.detail());
     let Some(content) = &loaded.content else {
         return Ok(Status::BadInput);
     };
@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Ok(Status::Fine)
 }
 
-fn as_text(loaded: &Loaded, content: &Content) -> String {
+fn as_text(loaded: &Loaded, content: &LoadedScene) -> String {
     let statistics = content.scene.statistics();
     let bounds = content.scene.bounds();
     let emitters = statistics.emitters.iter().map(|(kind, count)| format!("{count} {kind}"));
@@ -75,7 +75,7 @@ fn as_text(loaded: &Loaded, content: &Content) -> String {
                 duration(loaded.times.scene)
             ),
         ),
-        ("findings", findings::summary(&loaded.findings)),
+        ("findings", diagnostics::summary(&loaded.diagnostics)),
     ];
     rows.iter().map(|(name, value)| format!("{name:<10} {value}\n")).collect()
 }
@@ -86,7 +86,7 @@ fn point(point: impl Into<[f32; 3]>) -> String {
 }
 
 /// `0: 640x360, 64 samples per pixel`.
-fn sensors(content: &Content) -> Vec<String> {
+fn sensors(content: &LoadedScene) -> Vec<String> {
     let describe = |(index, setup): (usize, &SensorSetup)| {
         let id = setup.id.as_ref().map(|id| format!(" `{id}`")).unwrap_or_default();
         let (film, count) = (&setup.film, setup.sampler.rounded_sample_count());
@@ -95,7 +95,7 @@ fn sensors(content: &Content) -> Vec<String> {
     content.scene.sensors().iter().enumerate().map(describe).collect()
 }
 
-fn as_json(loaded: &Loaded, content: &Content) -> Value {
+fn as_json(loaded: &Loaded, content: &LoadedScene) -> Value {
     let statistics = content.scene.statistics();
     let bounds = content.scene.bounds();
     let sensor = |setup: &SensorSetup| {
@@ -127,7 +127,7 @@ fn as_json(loaded: &Loaded, content: &Content) -> Value {
             "scene": loaded.times.scene.as_secs_f64(),
         },
         "hash": hexadecimal(&content.scene.content_hash()),
-        "findings": findings::as_json(&loaded.findings),
+        "findings": diagnostics::as_json(&loaded.diagnostics),
     })
 }
 

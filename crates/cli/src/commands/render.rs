@@ -6,19 +6,19 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use etendue::{
-    EngineError, Error, FilmSums, LoadTimes, Region, RenderOptions, Rendering, SampleChoice,
-    SampleId, SensorChoice, Shot, Statistics, SumsFile, Workers,
+    EngineError, Error, FilmSums, LoadTimes, Region, RenderJob, RenderOptions, Rendering,
+    SampleChoice, SampleId, SensorChoice, Statistics, SumsFile, Workers,
 };
 use serde_json::json;
 
 use super::scene::SceneArguments;
+use crate::checkpoint_writer::{CheckpointArguments, CheckpointWriter, End};
 use crate::failure::{Failure, Status};
-use crate::keeping::{End, Keeper, KeepingArguments};
 use crate::output::{self, Target};
 use crate::outputs::{Outputs, Product};
 use crate::progress::{ProgressDisplay, Wanted};
 use crate::signals::Signals;
-use crate::{findings, memory, parsers, replay, report, resume, terminal, text};
+use crate::{diagnostics, memory, parsers, replay, report, resume, terminal, text};
 
 /// What is rendered, how, and to where.
 #[derive(Args, Debug)]
@@ -62,7 +62,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json_progress: bool,
     #[command(flatten)]
-    keeping: KeepingArguments,
+    keeping: CheckpointArguments,
     #[command(flatten)]
     scene: SceneArguments,
 }
@@ -140,36 +140,36 @@ impl Host<'_> {
             None => None,
         };
         let loaded = arguments.scene.load(path, self.workers)?;
-        findings::show(&loaded.findings, arguments.scene.detail());
+        diagnostics::show(&loaded.diagnostics, arguments.scene.detail());
         let Some(content) = &loaded.content else {
             return Ok(Status::BadInput);
         };
         let planned = header.as_ref().map(|header| header.record.planned_samples);
-        let shot = Shot::new(content, &options(arguments, planned));
-        let shot = shot.map_err(|error| failure(path, error))?;
+        let job = RenderJob::new(content, &options(arguments, planned));
+        let job = job.map_err(|error| failure(path, error))?;
         if let Some(id) = arguments.replay {
-            replay::show(&shot, id)?;
+            replay::show(&job, id)?;
             return Ok(Status::Fine);
         }
         if !arguments.scene.quiet {
-            report::memory(content, &shot);
+            report::memory(content, &job);
         }
         let film = match (&checkpoint, &header) {
             (Some(checkpoint), Some(header)) => {
-                let film = resume::read(checkpoint, header, &shot)?;
+                let film = resume::read(checkpoint, header, &job)?;
                 let held = text::counted(film.samples_per_pixel()[0] as usize, "sample");
                 let name = checkpoint.path().display();
                 self.say(&format!("going on with {name}: {held} per pixel"));
                 film
             }
-            _ => shot.new_film(self.workers).map_err(|error| failure(path, error))?,
+            _ => job.new_film(self.workers).map_err(|error| failure(path, error))?,
         };
         let kept = checkpoint.filter(|_| !arguments.keeping.no_checkpoint);
         if let Some(checkpoint) = &kept {
             checkpoint.remove_abandoned();
         }
         let seconds_before = header.map_or(0.0, |header| header.record.seconds);
-        let run = Run { shot: &shot, film: &film, outputs, checkpoint: kept, seconds_before };
+        let run = Run { job: &job, film: &film, outputs, checkpoint: kept, seconds_before };
         self.add_samples(&run, path, &loaded.times)
     }
 
@@ -187,8 +187,8 @@ impl Host<'_> {
             (false, false) => Wanted::Default,
         };
         let display = ProgressDisplay::new(wanted);
-        let keeper = Keeper {
-            shot: run.shot,
+        let keeper = CheckpointWriter {
+            job: run.job,
             film: run.film,
             checkpoint: run.checkpoint.as_ref(),
             preview: self.preview,
@@ -201,7 +201,7 @@ impl Host<'_> {
             "start",
             &json!({
                 "scene": path.display().to_string(),
-                "film_bytes": run.shot.memory_needed(),
+                "film_bytes": run.job.memory_needed(),
             }),
         );
         self.signals.finish_gracefully();
@@ -209,7 +209,7 @@ impl Host<'_> {
         let statistics = thread::scope(|scope| {
             scope.spawn(|| keeper.run(&end));
             let _end = end.guard();
-            run.shot.add_samples(run.film, self.workers, &display, self.signals.cancel())
+            run.job.add_samples(run.film, self.workers, &display, self.signals.cancel())
         });
         display.finish();
         let statistics = statistics.map_err(|error| failure(path, error))?;
@@ -235,17 +235,17 @@ impl Host<'_> {
     fn write(
         &self,
         run: &Run<'_>,
-        keeper: &Keeper<'_>,
+        keeper: &CheckpointWriter<'_>,
         statistics: Statistics,
     ) -> (Status, Rendering) {
         let seconds = keeper.seconds();
         let stopped = statistics.cancelled;
         // A stopped render may have little time left, and its samples are worth most.
         let mut is_kept = stopped && keeper.write_checkpoint();
-        let rendering = run.shot.develop(run.film, statistics, seconds);
+        let rendering = run.job.develop(run.film, statistics, seconds);
         let mut status = self.workers.run(|| run.outputs.write_pictures(&rendering));
         if !stopped {
-            status = status.max(run.outputs.write_parts(run.film, &run.shot.record(seconds)));
+            status = status.max(run.outputs.write_parts(run.film, &run.job.record(seconds)));
             let is_safe = status == Status::Fine;
             if !is_safe || self.arguments.keeping.keep_checkpoint {
                 is_kept = keeper.write_checkpoint();
@@ -273,7 +273,7 @@ impl Host<'_> {
 
 /// One scene that is rendered.
 struct Run<'a> {
-    shot: &'a Shot<'a>,
+    job: &'a RenderJob<'a>,
     film: &'a FilmSums,
     outputs: &'a Outputs,
     /// Where the samples are kept, if they are.

@@ -10,8 +10,8 @@ use etendue::integrators::{INTEGRATORS, IntegratorOptions};
 use etendue::scene::{BuildOptions, registry};
 use etendue::{Files, Loaded, SceneOptions, Workers, load};
 
+use crate::diagnostics::Detail;
 use crate::failure::Failure;
-use crate::findings::Detail;
 use crate::parsers;
 
 /// How scenes are loaded.
@@ -68,7 +68,7 @@ fn integrator_names() -> PossibleValuesParser {
 }
 
 impl SceneArguments {
-    /// How much of the findings is shown.
+    /// How much of the diagnostics is shown.
     pub(crate) fn detail(&self) -> Detail {
         match (self.quiet, self.verbose) {
             (true, _) => Detail::Errors,

@@ -1,4 +1,4 @@
-//! `etendue check` and `etendue info`, and how findings are told.
+//! `etendue check` and `etendue info`, and how diagnostics are told.
 
 use std::process::Stdio;
 

@@ -9,7 +9,7 @@ use half::slice::HalfFloatSliceExt;
 use super::exr_part::read_part;
 use super::exr_write::STRUCTURAL;
 use crate::picture::find_main_layer;
-use crate::{Bitmap, ImageError, Layer, Limits, MainLayer, MetadataValue, Picture};
+use crate::{Bitmap, Channel, ImageError, Limits, MainLayer, MetadataValue, Picture};
 use crate::{Samples, Window};
 
 /// The format's name in messages.
@@ -52,7 +52,7 @@ pub(super) fn decode_picture(bytes: &[u8], limits: &Limits) -> Result<Picture, I
     picture.metadata = metadata(&part.header);
     let named = channel_names(&part.header).into_iter().zip(part.channels);
     picture.channels =
-        named.map(|(name, samples)| Layer { name, data: into_floats(samples) }).collect();
+        named.map(|(name, samples)| Channel { name, data: into_floats(samples) }).collect();
     Ok(picture)
 }
 

@@ -1,12 +1,12 @@
 //! Connections to emitters: how much light passes media and surfaces that do not bend it.
 
-use super::flight::{Traveller, medium_beyond, transmittance};
-use crate::sheet::Sheet;
+use super::walk::{MediumWalk, medium_beyond, transmittance};
+use crate::thin_sheet::ThinSheet;
 use etendue_math::{Ray, offset_ray_origin};
-use etendue_render::emitter::DirectionSample;
-use etendue_render::medium::{Density, Heterogeneous, Medium};
-use etendue_render::phase::Site;
-use etendue_render::{MediumId, Scene, SurfaceInteraction};
+use etendue_scene::emitter::DirectionSample;
+use etendue_scene::medium::{Density, Heterogeneous, Medium};
+use etendue_scene::phase::MediumInteraction;
+use etendue_scene::{MediumId, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::Vec3;
 
@@ -24,17 +24,17 @@ pub(crate) enum Vertex<'a> {
 pub(crate) struct Connection {
     /// The share of light that passes: an estimate without bias.
     pub(crate) transmittance: Spectrum,
-    /// The density of a path passing here by chance if each of the channels led, relative to the
+    /// The density of a path passing here by chance if each of the channels unidirectional_pdf, relative to the
     /// connection's.
-    pub(crate) led: Spectrum,
+    pub(crate) unidirectional_pdf: Spectrum,
 }
 
 /// A connection on its way.
 struct Way<'a> {
-    traveller: &'a mut Traveller,
+    walk: &'a mut MediumWalk,
     connection: Connection,
     /// The masked sheet that it has just passed.
-    sheet: Option<Sheet>,
+    sheet: Option<ThinSheet>,
 }
 
 impl Vertex<'_> {
@@ -55,17 +55,15 @@ impl Connection {
         scene: &Scene,
         vertex: Vertex<'_>,
         light: &DirectionSample,
-        traveller: &mut Traveller,
+        walk: &mut MediumWalk,
     ) -> Option<Self> {
         let mut medium = match vertex {
-            Vertex::Inside(_) => traveller.medium,
-            Vertex::Surface(surface) => {
-                medium_beyond(scene, surface, light.direction, traveller.medium)
-            }
+            Vertex::Inside(_) => walk.medium,
+            Vertex::Surface(surface) => medium_beyond(scene, surface, light.direction, walk.medium),
         };
         let mut ray = light.shadow_ray_from(vertex.origin(light.direction));
-        let connection = Self { transmittance: Spectrum::ONE, led: Spectrum::ONE };
-        let mut way = Way { traveller, connection, sheet: None };
+        let connection = Self { transmittance: Spectrum::ONE, unidirectional_pdf: Spectrum::ONE };
+        let mut way = Way { walk, connection, sheet: None };
         loop {
             let hit = scene.closest_hit(&ray);
             // Surfaces end most connections, and cost less than media.
@@ -92,10 +90,10 @@ impl Way<'_> {
         if self.sheet.as_mut().is_some_and(|sheet| sheet.holds(surface)) {
             return Some(());
         }
-        self.sheet = Some(Sheet::new(surface.shape, surface.point));
-        let (share, pdf) = scene.prepare_bsdf(surface).straight(surface.wi);
+        self.sheet = Some(ThinSheet::new(surface.shape, surface.point));
+        let (share, pdf) = scene.prepare_bsdf(surface).null_transmission(surface.wi);
         self.connection.transmittance *= share;
-        self.connection.led *= pdf;
+        self.connection.unidirectional_pdf *= pdf;
         (!self.connection.transmittance.is_black()).then_some(())
     }
 
@@ -104,11 +102,11 @@ impl Way<'_> {
         let medium = scene.medium(id);
         match &medium.density {
             Density::Homogeneous(density) => {
-                let site = Site { point: ray.origin, wi: -ray.direction };
+                let site = MediumInteraction { point: ray.origin, wi: -ray.direction };
                 let area = medium.phase.projected_area(&site);
                 let passed = transmittance(density.extinction() * area, ray.t_max);
                 self.connection.transmittance *= passed;
-                self.connection.led *= passed;
+                self.connection.unidirectional_pdf *= passed;
                 (!self.connection.transmittance.is_black()).then_some(())
             }
             Density::Heterogeneous(density) => self.track(medium, density, ray),
@@ -121,17 +119,17 @@ impl Way<'_> {
     fn track(&mut self, medium: &Medium, density: &Heterogeneous, ray: &Ray) -> Option<()> {
         let wi = -ray.direction;
         let mut tracker = density.track(ray);
-        while let Some(collision) = tracker.advance(self.traveller.optical_depth()) {
-            let found = medium.coefficients(&Site { point: ray.at(collision.t), wi });
+        while let Some(collision) = tracker.advance(self.walk.optical_depth()) {
+            let found = medium.coefficients(&MediumInteraction { point: ray.at(collision.t), wi });
             let null = Spectrum::ONE - (found.extinction / collision.majorant).min(Spectrum::ONE);
             self.connection.transmittance *= null;
-            self.connection.led *= null;
+            self.connection.unidirectional_pdf *= null;
             let greatest = self.connection.transmittance.max_component();
             if greatest <= 0.0 {
                 return None;
             }
             if greatest < FAINT {
-                if self.traveller.numbers().next_1d() >= SURVIVAL {
+                if self.walk.numbers().next_1d() >= SURVIVAL {
                     return None;
                 }
                 self.connection.transmittance *= 1.0 / SURVIVAL;
@@ -146,9 +144,9 @@ mod tests {
     use super::*;
     use etendue_document::{Diagnostics, MemoryResources};
     use etendue_mitsuba::{LoadOptions, load_str};
-    use etendue_render::emitter::Target;
-    use etendue_render::{BuildOptions, build_scene};
     use etendue_sampling::{SamplerKind, SamplerSpec};
+    use etendue_scene::emitter::Target;
+    use etendue_scene::{BuildOptions, build_scene};
     use etendue_testkit::Accumulator;
     use glam::UVec2;
 
@@ -180,13 +178,14 @@ mod tests {
         let direction = direction.normalize();
         let ray = Ray::new(start, direction);
         let exit = scene.intersect(&ray).expect("the cube's face");
-        let medium = scene.boundary(&exit).and_then(|boundary| boundary.interior);
+        let medium =
+            scene.medium_interface(&exit).and_then(|medium_interface| medium_interface.interior);
         let steps = 20_000;
         let length = f64::from(exit.t) / f64::from(steps);
         let mut depth = [0.0_f64; 3];
         for step in 0..steps {
             let point = ray.at(((f64::from(step) + 0.5) * length) as f32);
-            let site = Site { point, wi: -direction };
+            let site = MediumInteraction { point, wi: -direction };
             let found = scene.medium(medium.expect("a medium")).coefficients(&site);
             let rgb = found.extinction.rgb();
             depth.iter_mut().zip(rgb).for_each(|(sum, sigma)| *sum += f64::from(sigma) * length);
@@ -199,8 +198,8 @@ mod tests {
         let mut found = [(); 3].map(|()| Accumulator::default());
         for index in 0..count {
             let stream = spec.start(UVec2::ZERO, index);
-            let mut traveller = Traveller::new(ray, medium, &stream);
-            let passed = Connection::new(&scene, Vertex::Inside(start), &light, &mut traveller)
+            let mut walk = MediumWalk::new(ray, medium, &stream);
+            let passed = Connection::new(&scene, Vertex::Inside(start), &light, &mut walk)
                 .map_or(Spectrum::ZERO, |connection| connection.transmittance);
             found.iter_mut().zip(passed.rgb()).for_each(|(sum, value)| sum.add(value.into()));
         }

@@ -1,7 +1,7 @@
 //! What a path through media carries, and how likely each way of finding it was.
 //!
 //! A medium whose extinction differs between colour channels is sampled for one channel, chosen for
-//! the whole path: it leads. The other channels could have led to the same path, and the balance
+//! the whole path: it leads. The other channels could have unidirectional_pdf to the same path, and the balance
 //! heuristic over all of them keeps their weights bounded (Wilkie et al., "Hero Wavelength Spectral
 //! Sampling", 2014; for media with null collisions Miller, Georgiev and Jarosz, "A null-scattering
 //! path integral formulation of light transport", *ACM Transactions on Graphics* 38(4), 2019).
@@ -14,7 +14,7 @@ use etendue_spectrum::Spectrum;
 pub(crate) enum Heuristic {
     /// The densities of the last direction: the power heuristic, as on surfaces.
     Directions,
-    /// The densities of the whole path with all collisions, for every channel that could have led:
+    /// The densities of the whole path with all collisions, for every channel that could have unidirectional_pdf:
     /// the balance heuristic.
     Paths,
 }
@@ -22,17 +22,17 @@ pub(crate) enum Heuristic {
 /// A path's share of the light at its end, and the densities it was found with.
 ///
 /// Densities are relative to that of the path so far averaged over the channels that could have
-/// led it. So none of them leaves the range of floats however long the path is.
+/// unidirectional_pdf it. So none of them leaves the range of floats however long the path is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights {
     /// The share of the light at the end of the path that arrives at the camera, divided by the
     /// average density.
     pub(crate) throughput: Spectrum,
-    /// The density if each of the channels had led; their mean is one.
-    led: Spectrum,
+    /// The density if each of the channels had unidirectional_pdf; their mean is one.
+    unidirectional_pdf: Spectrum,
     /// The density if the path's last vertex had been chosen on an emitter, without that choice's
     /// own; zero where no emitter could have been connected to.
-    lit: Spectrum,
+    light_pdf: Spectrum,
     /// The density in solid angle of the path's last direction, where an emitter could have been
     /// connected to.
     direction_pdf: Option<f32>,
@@ -43,10 +43,10 @@ pub(crate) struct Weights {
 pub(crate) struct Step {
     /// The share of light that passes, times densities of positions.
     pub(crate) value: Spectrum,
-    /// The density of the step if each of the channels led.
-    pub(crate) led: Spectrum,
+    /// The density of the step if each of the channels unidirectional_pdf.
+    pub(crate) unidirectional_pdf: Spectrum,
     /// The density of the step on the way to an emitter.
-    pub(crate) lit: f32,
+    pub(crate) light_pdf: f32,
 }
 
 impl Weights {
@@ -54,8 +54,8 @@ impl Weights {
     pub(crate) fn new() -> Self {
         Self {
             throughput: Spectrum::ONE,
-            led: Spectrum::ONE,
-            lit: Spectrum::ZERO,
+            unidirectional_pdf: Spectrum::ONE,
+            light_pdf: Spectrum::ZERO,
             direction_pdf: None,
         }
     }
@@ -63,23 +63,23 @@ impl Weights {
     /// Goes a step; false where the path cannot have gone it.
     #[inline]
     pub(crate) fn go(&mut self, step: &Step) -> bool {
-        let led = self.led * step.led;
-        let average = led.mean();
+        let unidirectional_pdf = self.unidirectional_pdf * step.unidirectional_pdf;
+        let average = unidirectional_pdf.mean();
         if average <= 0.0 {
             return false;
         }
         let inverse = 1.0 / average;
         self.throughput *= step.value * inverse;
-        self.led = led * inverse;
-        self.lit *= step.lit * inverse;
+        self.unidirectional_pdf = unidirectional_pdf * inverse;
+        self.light_pdf *= step.light_pdf * inverse;
         !self.throughput.is_black()
     }
 
     /// Goes straight on through a surface that all channels let through with probability `pdf`.
     #[inline]
     pub(crate) fn pass(&mut self, weight: Spectrum, pdf: f32) -> bool {
-        let led = Spectrum::splat(pdf);
-        self.go(&Step { value: weight * pdf, led, lit: 1.0 })
+        let unidirectional_pdf = Spectrum::splat(pdf);
+        self.go(&Step { value: weight * pdf, unidirectional_pdf, light_pdf: 1.0 })
     }
 
     /// Takes a direction of density `pdf`, which all channels choose alike. `competes` says whether
@@ -88,7 +88,7 @@ impl Weights {
     pub(crate) fn turn(&mut self, weight: Spectrum, pdf: f32, competes: bool) {
         self.throughput *= weight;
         self.direction_pdf = competes.then_some(pdf);
-        self.lit = if competes { self.led / pdf } else { Spectrum::ZERO };
+        self.light_pdf = if competes { self.unidirectional_pdf / pdf } else { Spectrum::ZERO };
     }
 
     /// The weight of light that the path has found by chance, on an emitter that next-event
@@ -98,12 +98,12 @@ impl Weights {
         let Some(direction_pdf) = self.direction_pdf else { return 1.0 };
         match heuristic {
             Heuristic::Directions => power_heuristic(direction_pdf, emitter_pdf()),
-            Heuristic::Paths => 1.0 / (1.0 + self.lit.mean() * emitter_pdf()),
+            Heuristic::Paths => 1.0 / (1.0 + self.light_pdf.mean() * emitter_pdf()),
         }
     }
 
     /// The weight of light from an emitter that was chosen with density `emitter_pdf`, in a direction
-    /// that the vertex would have taken with density `direction_pdf`; `led` are the densities of
+    /// that the vertex would have taken with density `direction_pdf`; `unidirectional_pdf` are the densities of
     /// passing everything in between by chance, relative to that of the connection.
     #[inline]
     pub(crate) fn of_connection(
@@ -111,11 +111,15 @@ impl Weights {
         heuristic: Heuristic,
         emitter_pdf: f32,
         direction_pdf: f32,
-        led: Spectrum,
+        unidirectional_pdf: Spectrum,
     ) -> f32 {
         match heuristic {
             Heuristic::Directions => power_heuristic(emitter_pdf, direction_pdf),
-            Heuristic::Paths => 1.0 / (1.0 + direction_pdf / emitter_pdf * (self.led * led).mean()),
+            Heuristic::Paths => {
+                1.0 / (1.0
+                    + direction_pdf / emitter_pdf
+                        * (self.unidirectional_pdf * unidirectional_pdf).mean())
+            }
         }
     }
 }
@@ -126,8 +130,8 @@ mod tests {
 
     const STEP: Step = Step {
         value: Spectrum::from_rgb([0.5, 0.2, 0.1]),
-        led: Spectrum::from_rgb([0.6, 0.3, 0.3]),
-        lit: 0.25,
+        unidirectional_pdf: Spectrum::from_rgb([0.6, 0.3, 0.3]),
+        light_pdf: 0.25,
     };
 
     /// The weights of both ways to find the same path sum to one.
@@ -137,12 +141,16 @@ mod tests {
         for heuristic in [Heuristic::Directions, Heuristic::Paths] {
             let mut before = Weights::new();
             assert!(before.go(&STEP) && before.go(&STEP));
-            let led = Spectrum::from_rgb([0.9, 0.1, 0.3]);
-            let connected =
-                before.of_connection(heuristic, emitter_pdf, direction_pdf, led * (1.0 / 0.4));
+            let unidirectional_pdf = Spectrum::from_rgb([0.9, 0.1, 0.3]);
+            let connected = before.of_connection(
+                heuristic,
+                emitter_pdf,
+                direction_pdf,
+                unidirectional_pdf * (1.0 / 0.4),
+            );
             let mut found = before;
             found.turn(Spectrum::ONE, direction_pdf, true);
-            assert!(found.go(&Step { value: Spectrum::ONE, led, lit: 0.4 }));
+            assert!(found.go(&Step { value: Spectrum::ONE, unidirectional_pdf, light_pdf: 0.4 }));
             let by_chance = found.of_chance(heuristic, || emitter_pdf);
             assert!((connected + by_chance - 1.0).abs() < 1e-6, "{connected} {by_chance}");
         }
@@ -152,12 +160,12 @@ mod tests {
     fn the_throughput_is_weighed_over_the_channels() {
         let mut weights = Weights::new();
         assert!(weights.go(&STEP) && weights.go(&STEP));
-        // Two steps: value² over the mean of led².
+        // Two steps: value² over the mean of unidirectional_pdf².
         let mean = (0.36 + 0.09 + 0.09) / 3.0;
         for (found, value) in weights.throughput.rgb().into_iter().zip([0.25, 0.04, 0.01]) {
             assert!((found - value / mean).abs() < 1e-6);
         }
-        assert!((weights.led.mean() - 1.0).abs() < 1e-6);
+        assert!((weights.unidirectional_pdf.mean() - 1.0).abs() < 1e-6);
     }
 
     #[test]
@@ -167,6 +175,6 @@ mod tests {
         for heuristic in [Heuristic::Directions, Heuristic::Paths] {
             assert_eq!(weights.of_chance(heuristic, || 5.0), 1.0);
         }
-        assert!(!weights.go(&Step { led: Spectrum::ZERO, ..STEP }));
+        assert!(!weights.go(&Step { unidirectional_pdf: Spectrum::ZERO, ..STEP }));
     }
 }

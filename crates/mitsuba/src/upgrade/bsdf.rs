@@ -55,14 +55,14 @@ struct Glossy {
 
 /// Phong and Ward add a glossy lobe to a diffuse one. So does a blend of `roughconductor` without
 /// Fresnel term and `diffuse`, each divided by its weight. Where a texture stands for one of the
-/// colours, nothing can be divided: then `roughplastic` is nearest.
+/// colors, nothing can be divided: then `roughplastic` is nearest.
 fn glossy(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
     let node = &mut nodes[index];
     let plugin = std::mem::take(&mut node.plugin);
     let (alpha_u, alpha_v) = roughness(node, &plugin);
-    let colours =
-        colour(node, "diffuse_reflectance", 0.5).zip(colour(node, "specular_reflectance", 0.2));
-    let new = match colours {
+    let colors =
+        color(node, "diffuse_reflectance", 0.5).zip(color(node, "specular_reflectance", 0.2));
+    let new = match colors {
         Some((diffuse, specular)) => {
             blend(nodes, index, &Glossy { diffuse, specular, alpha_u, alpha_v });
             "a blend of `diffuse` and `roughconductor`"
@@ -96,8 +96,8 @@ fn roughness(node: &mut Node, plugin: &str) -> (f64, f64) {
     (alpha, alpha)
 }
 
-/// A colour that is the same everywhere; `None` where it is a texture or measured.
-fn colour(node: &Node, name: &str, default: f64) -> Option<DVec3> {
+/// A color that is the same everywhere; `None` where it is a texture or measured.
+fn color(node: &Node, name: &str, default: f64) -> Option<DVec3> {
     if node.children.iter().any(|child| child.name.as_deref() == Some(name)) {
         return None;
     }
@@ -105,7 +105,7 @@ fn colour(node: &Node, name: &str, default: f64) -> Option<DVec3> {
         return Some(DVec3::splat(default));
     };
     match &parameter.value {
-        Value::Rgb(colour) => Some(*colour),
+        Value::Rgb(color) => Some(*color),
         Value::Spectrum(SpectrumValue::Constant(number)) => Some(DVec3::splat(*number)),
         value => number(value).map(DVec3::splat),
     }
@@ -116,9 +116,9 @@ fn blend(nodes: &mut Vec<Node>, index: usize, glossy: &Glossy) {
     let (diffuse, specular) = (glossy.diffuse.max_element(), glossy.specular.max_element());
     let sum = diffuse + specular;
     let weight = if sum > 0.0 { (specular / sum).clamp(0.0, 1.0) } else { 0.0 };
-    let part = |colour: DVec3, weight: f64| {
-        let colour = if weight > 0.0 { colour / weight } else { colour };
-        Value::Rgb(colour.clamp(DVec3::ZERO, DVec3::ONE))
+    let part = |color: DVec3, weight: f64| {
+        let color = if weight > 0.0 { color / weight } else { color };
+        Value::Rgb(color.clamp(DVec3::ZERO, DVec3::ONE))
     };
     let node = &nodes[index];
     let base = with_parameters(

@@ -162,9 +162,9 @@ fn diffuse_transmitter(node: &mut Node) {
 
 /// Hanrahan and Krueger's slab becomes a sheet of its albedo, with half of the light on either side.
 fn slab(node: &mut Node, approximations: &mut Approximations) {
-    let albedo = take(node, "albedo").and_then(|albedo| colour(&albedo.value));
+    let albedo = take(node, "albedo").and_then(|albedo| color(&albedo.value));
     let [scattering, absorption] =
-        ["sigma_s", "sigma_a"].map(|name| take(node, name).and_then(|found| colour(&found.value)));
+        ["sigma_s", "sigma_a"].map(|name| take(node, name).and_then(|found| color(&found.value)));
     let ratio = scattering.zip(absorption).map(|(scattering, absorption)| {
         let extinction = (scattering + absorption).max(DVec3::splat(f64::MIN_POSITIVE));
         (scattering / extinction).clamp(DVec3::ZERO, DVec3::ONE)
@@ -197,10 +197,10 @@ fn rename(node: &mut Node, old: &str, new: &str) {
     children.for_each(|child| child.name = Some(new.into()));
 }
 
-/// A colour that is the same at all wavelengths, or given in RGB.
-fn colour(value: &Value) -> Option<DVec3> {
+/// A color that is the same at all wavelengths, or given in RGB.
+fn color(value: &Value) -> Option<DVec3> {
     match value {
-        Value::Rgb(colour) => Some(*colour),
+        Value::Rgb(color) => Some(*color),
         Value::Spectrum(SpectrumValue::Constant(value)) => Some(DVec3::splat(*value)),
         value => number(value).map(DVec3::splat),
     }

@@ -67,10 +67,10 @@ fn preset(node: &mut Node) -> Option<(DVec3, DVec3)> {
     Some((DVec3::new(s0, s1, s2), DVec3::new(a0, a1, a2)))
 }
 
-/// Takes a colour that is the same everywhere; others stay, to be reported.
+/// Takes a color that is the same everywhere; others stay, to be reported.
 fn constant(node: &mut Node, name: &str) -> Option<DVec3> {
     let value = match &find(node, name)?.value {
-        Value::Rgb(colour) => *colour,
+        Value::Rgb(color) => *color,
         Value::Spectrum(SpectrumValue::Constant(number)) => DVec3::splat(*number),
         other => DVec3::splat(number(other)?),
     };

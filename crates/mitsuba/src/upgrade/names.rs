@@ -1,11 +1,11 @@
 //! Parameter names: camelCase, and names that have changed.
 
-use etendue_document::{Names, Node};
+use etendue_document::{NameInterner, Node};
 
 use super::tables;
 
 /// Gives every parameter and child of a node its name of version 3.
-pub(super) fn upgrade(node: &mut Node, names: &mut Names) {
+pub(super) fn upgrade(node: &mut Node, names: &mut NameInterner) {
     for parameter in &mut node.parameters {
         if let Some(name) = snake_case(&parameter.name) {
             parameter.name = names.name(&name);

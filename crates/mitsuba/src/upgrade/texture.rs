@@ -10,7 +10,7 @@ use super::{find, number, take};
 pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
     coordinates(node);
     match node.plugin.as_str() {
-        "vertexcolors" => vertex_colours(node),
+        "vertexcolors" => vertex_colors(node),
         "wireframe" => wireframe(node, approximations),
         "curvature" => curvature(node, approximations),
         _ => {}
@@ -23,7 +23,7 @@ pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// The colours of vertices are an attribute of their mesh like any other.
-fn vertex_colours(node: &mut Node) {
+fn vertex_colors(node: &mut Node) {
     node.parameters =
         vec![parameter(node, "name", Value::String("vertex_color".to_owned()))].into();
     node.plugin = "mesh_attribute".into();

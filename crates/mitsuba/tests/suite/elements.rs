@@ -58,7 +58,7 @@ fn points_and_vectors() {
 }
 
 #[test]
-fn colours() {
+fn colors() {
     let rgb = |r, g, b| Value::Rgb(DVec3::new(r, g, b));
     assert_eq!(read("<rgb name='a' value='0.1, 0.2 0.3'/>"), rgb(0.1, 0.2, 0.3));
     assert_eq!(read("<rgb name='a' value='300'/>"), rgb(300.0, 300.0, 300.0));

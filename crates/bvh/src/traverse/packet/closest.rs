@@ -4,11 +4,11 @@ use super::rays::Packet;
 use super::triangles::{Candidates, Survivors};
 use super::walk::Query;
 use crate::bvh::{Bvh, Hit};
-use crate::names::Names;
 use crate::node::{Child, TriangleBlock};
 use crate::simd::wide::{MOST, Row, Wide};
 use crate::traverse::ray::RayConstants;
 use crate::triangle::{Resolved, resolve};
+use crate::triangle_numbers::TriangleNumbers;
 use etendue_math::Ray;
 use std::mem::MaybeUninit;
 
@@ -17,7 +17,7 @@ const NONE: u32 = u32::MAX;
 
 /// The nearest hits so far.
 pub(super) struct Closest<'a, F> {
-    names: &'a Names,
+    names: &'a TriangleNumbers,
     rays: &'a [Ray],
     /// The nearest hit of a ray below a child.
     alone: F,
@@ -28,7 +28,7 @@ pub(super) struct Closest<'a, F> {
     w: Row,
     determinant: Row,
     /// Where hits are equally far, triangles with lower names than these count: the triangle that
-    /// is hit, or [`Names::bound`] of what else is, or [`NONE`].
+    /// is hit, or [`TriangleNumbers::bound`] of what else is, or [`NONE`].
     name: Row<u32>,
     /// The lanes whose hit is in `hits`.
     whole: u32,

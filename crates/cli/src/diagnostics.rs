@@ -1,0 +1,96 @@
+//! What was found while loading a scene, on standard error.
+
+use etendue::DiagnosticReport;
+use etendue::document::{Diagnostic, Severity};
+use serde_json::{Value, json};
+
+use crate::alike::{Listing, Repeats};
+use crate::{color, terminal, text};
+
+/// How much of it is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Detail {
+    /// Errors alone.
+    Errors,
+    /// Errors and warnings.
+    Warnings,
+    /// Notes too; of many diagnostics alike, all but a few in a line each.
+    Notes,
+    /// Notes too, and all there is to each finding however many are alike.
+    Everything,
+}
+
+/// Of many diagnostics alike, how many are listed in a line each where brevity matters.
+const LINES: usize = 20;
+
+impl Detail {
+    fn shows(self, diagnostic: &Diagnostic) -> bool {
+        match diagnostic.severity {
+            Severity::Error => true,
+            Severity::Warning => self != Self::Errors,
+            Severity::Note => matches!(self, Self::Notes | Self::Everything),
+        }
+    }
+
+    fn repeats(self) -> Repeats {
+        match self {
+            Self::Errors | Self::Warnings => Repeats::Lines(LINES),
+            Self::Notes => Repeats::Lines(usize::MAX),
+            Self::Everything => Repeats::Whole,
+        }
+    }
+}
+
+/// Shows diagnostics with their excerpts, and what they add up to, if there are any.
+pub(crate) fn show(diagnostics: &DiagnosticReport, detail: Detail) {
+    if show_list(diagnostics, detail) {
+        terminal::message_line(&summary(diagnostics));
+    }
+}
+
+/// Shows diagnostics with their excerpts; returns whether there were any to show.
+pub(crate) fn show_list(diagnostics: &DiagnosticReport, detail: Detail) -> bool {
+    let mut listing = Listing::new(&diagnostics.sources, detail.repeats(), color::is_wanted());
+    let shown = diagnostics.list.iter().filter(|diagnostic| detail.shows(diagnostic));
+    shown.for_each(|diagnostic| listing.add(diagnostic));
+    let all = listing.finish();
+    terminal::message(&all);
+    !all.is_empty()
+}
+
+/// `2 errors, 1 warning`.
+pub(crate) fn summary(diagnostics: &DiagnosticReport) -> String {
+    let errors = text::counted(diagnostics.error_count, "error");
+    let is_warning = |diagnostic: &&Diagnostic| diagnostic.severity == Severity::Warning;
+    let warnings = diagnostics.list.iter().filter(is_warning).count();
+    let mut summary = format!("{errors}, {}", text::counted(warnings, "warning"));
+    if diagnostics.omitted > 0 {
+        summary.push_str(&format!(
+            ", {} more diagnostics not shown",
+            text::grouped(diagnostics.omitted)
+        ));
+    }
+    summary
+}
+
+/// The diagnostics for other programs: severity, message, place and advice of each.
+pub(crate) fn as_json(diagnostics: &DiagnosticReport) -> Value {
+    let place = |diagnostic: &Diagnostic| {
+        let location = diagnostics.sources.locate(diagnostic.span?);
+        Some(json!({ "file": location.name, "line": location.line, "column": location.column }))
+    };
+    let finding = |diagnostic: &Diagnostic| {
+        let severity = match diagnostic.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        };
+        json!({
+            "severity": severity,
+            "message": diagnostic.message,
+            "place": place(diagnostic),
+            "help": diagnostic.help,
+        })
+    };
+    diagnostics.list.iter().map(finding).collect()
+}

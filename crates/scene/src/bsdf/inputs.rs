@@ -1,0 +1,324 @@
+//! Parameters that several materials share, with the checks of their ranges.
+
+use super::fresnel;
+use super::microfacet::{Distribution, Microfacets, NormalSampling};
+use crate::builder::Builder;
+use crate::ids::MaterialId;
+use crate::interaction::SurfaceInteraction;
+use crate::texture::{ColorSource, ScalarSource, Textures};
+use etendue_document::{Class, Fault, Parameters, Value, list_names, near_names};
+use etendue_math::lanes::Real;
+use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse, metal, metal_names};
+use glam::Vec2;
+use std::ops::RangeInclusive;
+
+/// A number between its bounds; the lower one for NaN, which a texture may hold.
+#[inline]
+pub(super) fn limited(value: f32, low: f32, high: f32) -> f32 {
+    if value > low { value.min(high) } else { low }
+}
+
+/// A share of light: a colour from 0 to 1. Above one it is warned of and taken as it is, as it
+/// makes light out of nothing.
+pub(super) fn reflectance(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    name: &str,
+    default: f32,
+) -> ColorSource {
+    let source = builder.color(parameters, name, default, SpectrumUse::Reflectance);
+    if let ColorSource::Constant(color) = source
+        && color.max_component() > 1.0
+    {
+        let message = format!("`{name}` is above 1: the surface gives off more light than it gets");
+        parameters.warning(Fault::BadValue, name, message);
+    }
+    source
+}
+
+/// A scalar with bounds for its constants; outside them, and for NaN, an error is reported and
+/// the default returned. What a texture holds can only be limited where it is read.
+pub(super) fn scalar_within(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    name: &str,
+    default: f32,
+    bounds: RangeInclusive<f32>,
+) -> ScalarSource {
+    let source = builder.scalar(parameters, name, default);
+    match source {
+        ScalarSource::Constant(value) if !bounds.contains(&value) => {
+            let (low, high) = (bounds.start(), bounds.end());
+            let message =
+                format!("`{name}` is {value}, but must be at least {low} and at most {high}");
+            parameters.error(Fault::BadValue, name, message);
+            ScalarSource::Constant(default)
+        }
+        source => source,
+    }
+}
+
+/// A share from 0 to 1. Beyond them it means nothing, but scenes hold such numbers: they are limited,
+/// with a warning.
+pub(super) fn fraction(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    name: &str,
+    default: f32,
+) -> ScalarSource {
+    match builder.scalar(parameters, name, default) {
+        ScalarSource::Constant(value) if !(0.0..=1.0).contains(&value) => {
+            let message = format!("`{name}` is {value}, and limited to the range from 0 to 1");
+            parameters.warning(Fault::BadValue, name, message);
+            ScalarSource::Constant(limited(value, 0.0, 1.0))
+        }
+        source => source,
+    }
+}
+
+/// The index inside over the index outside, from `int_ior` and `ext_ior`; from 0.001 to 1000.
+pub(super) fn relative_index(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    default_inside: &str,
+) -> f32 {
+    let inside = builder.refractive_index(parameters, "int_ior", default_inside);
+    let outside = builder.refractive_index(parameters, "ext_ior", "air");
+    let eta = inside / outside;
+    if (1e-3..=1e3).contains(&eta) {
+        return eta;
+    }
+    let message = format!("`int_ior` is {eta} times `ext_ior`, which must be from 0.001 to 1000");
+    parameters.error(Fault::BadValue, "int_ior", message);
+    1.5
+}
+
+/// The same for a rough interface, which is none where both indices are equal: every direction of
+/// its transmission would be the straight one.
+pub(super) fn rough_relative_index(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    default_inside: &str,
+) -> Option<f32> {
+    let eta = relative_index(builder, parameters, default_inside);
+    if eta == 1.0 {
+        let message = "the indices of refraction inside and outside must differ";
+        parameters.error(Fault::BadValue, "int_ior", message);
+        return None;
+    }
+    Some(eta)
+}
+
+/// The roughness of a microfacet surface: `alpha`, `alpha_u`, `alpha_v`, `distribution` and
+/// `sample_visible`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roughness {
+    alpha_u: ScalarSource,
+    alpha_v: ScalarSource,
+    distribution: Distribution,
+    sampling: NormalSampling,
+}
+
+impl Roughness {
+    /// Reads the parameters; both directions may have textures.
+    pub(super) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
+        let (distribution, sampling) = distribution(parameters);
+        let mut read = |name: &str| scalar_within(builder, parameters, name, 0.1, 0.0..=1e4);
+        let (alpha_u, alpha_v) = if parameters.has("alpha_u") || parameters.has("alpha_v") {
+            for name in ["alpha_u", "alpha_v"] {
+                if !parameters.has(name) {
+                    let message = format!("`{name}` is missing: it goes with the other direction");
+                    parameters.error(Fault::MissingParameter, "alpha", message);
+                }
+            }
+            if parameters.has("alpha") {
+                let message = "give either `alpha`, or `alpha_u` and `alpha_v`";
+                parameters.error(Fault::BadValue, "alpha", message);
+                read("alpha");
+            }
+            (read("alpha_u"), read("alpha_v"))
+        } else {
+            let alpha = read("alpha");
+            (alpha, alpha)
+        };
+        Self { alpha_u, alpha_v, distribution, sampling }
+    }
+
+    /// Whether it is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.alpha_u.is_constant() && self.alpha_v.is_constant()
+    }
+
+    /// The distribution where visible normals are sampled.
+    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+        (self.sampling == NormalSampling::Visible).then_some(self.distribution)
+    }
+
+    /// The distribution of normals at a hit.
+    #[inline]
+    pub(super) fn resolve(
+        &self,
+        textures: Textures<'_>,
+        surface: &SurfaceInteraction,
+    ) -> Microfacets {
+        let alpha =
+            Vec2::new(self.alpha_u.eval(textures, surface), self.alpha_v.eval(textures, surface));
+        Microfacets::new(self.distribution, self.sampling, alpha)
+    }
+}
+
+/// `distribution` and `sample_visible`.
+pub(super) fn distribution(parameters: &Parameters<'_>) -> (Distribution, NormalSampling) {
+    let choices = [
+        ("beckmann", Distribution::Beckmann),
+        ("ggx", Distribution::Ggx),
+        // Names of version 0.x: Phong's distribution is close to Beckmann's at the same alpha,
+        // and Ashikhmin and Shirley's is its anisotropic form.
+        ("phong", Distribution::Beckmann),
+        ("as", Distribution::Beckmann),
+    ];
+    let distribution = parameters.choice("distribution", Distribution::Beckmann, &choices);
+    let typed = parameters.value("distribution").map(|(value, _)| value);
+    if matches!(typed, Some(Value::String(name)) if name == "phong" || name == "as") {
+        let message = "this distribution is rendered as `beckmann`, which is close to it";
+        parameters.warning(Fault::Approximation, "distribution", message);
+    }
+    let sampling = match parameters.boolean("sample_visible", true) {
+        true => NormalSampling::Visible,
+        false => NormalSampling::All,
+    };
+    (distribution, sampling)
+}
+
+/// The complex index of refraction of a metal: `material`, or `eta` and `k`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MetalIndex {
+    eta: ColorSource,
+    k: ColorSource,
+    /// The index of what is around it, which divides both.
+    outside: f32,
+}
+
+impl MetalIndex {
+    /// Reads the parameters.
+    pub(super) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
+        let [eta, k] = ["eta", "k"]
+            .map(|name| builder.optional_color(parameters, name, SpectrumUse::MeasuredIndex));
+        let named = named_metal(parameters);
+        if eta.is_some() && k.is_some() && parameters.has("material") {
+            let message = "`eta` and `k` are given, so `material` has no effect";
+            parameters.warning(Fault::BadValue, "material", message);
+        }
+        // Version 0.x only; the index is relative to vacuum without it, as in Mitsuba 3.
+        let outside = match parameters.has("ext_eta") {
+            true => builder.refractive_index(parameters, "ext_eta", "air"),
+            false => 1.0,
+        };
+        Self { eta: eta.unwrap_or(named[0]), k: k.unwrap_or(named[1]), outside }
+    }
+
+    /// Whether it is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.eta.is_constant() && self.k.is_constant()
+    }
+
+    /// η and k at a hit.
+    #[inline]
+    pub(super) fn resolve(
+        &self,
+        textures: Textures<'_>,
+        surface: &SurfaceInteraction,
+    ) -> [Spectrum; 2] {
+        // The upper bound keeps the fourth powers in Fresnel's equations finite.
+        [self.eta, self.k].map(|part| (part.eval(textures, surface) / self.outside).clamp(0.0, 1e4))
+    }
+}
+
+/// η and k of the metal that `material` names; of the perfect mirror without it.
+fn named_metal(parameters: &Parameters<'_>) -> [ColorSource; 2] {
+    let mirror = [Spectrum::ZERO, Spectrum::ONE].map(ColorSource::Constant);
+    let Some(name) = parameters.optional_string("material") else { return mirror };
+    let Some(metal) = metal(name) else {
+        let near = near_names(name, metal_names());
+        let near = if near.is_empty() { metal_names().collect() } else { near };
+        let message = format!("no metal `{name}` is known; there is {}", list_names(near));
+        parameters.error(Fault::BadValue, "material", message);
+        return mirror;
+    };
+    [metal.eta_rgb(), metal.k_rgb()].map(|rgb| ColorSource::Constant(Spectrum::from_rgb(rgb)))
+}
+
+/// A coat's inside: the diffuse base, its reflectance raised by the light that the coat throws
+/// back at it. `internal_diffuse_reflectance` is the share that the coat reflects from inside.
+#[inline]
+pub(super) fn coated_base(
+    base: Spectrum,
+    internal_diffuse_reflectance: f32,
+    shift: ColorShift,
+) -> Spectrum {
+    match shift {
+        ColorShift::Nonlinear => base.safe_div(Spectrum::ONE - base * internal_diffuse_reflectance),
+        ColorShift::None => base / (1.0 - internal_diffuse_reflectance),
+    }
+}
+
+/// Whether scattering inside a coat shifts the colour of its base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ColorShift {
+    /// Light that is thrown back is coloured at every bounce: darker, more saturated.
+    Nonlinear,
+    /// Light that is thrown back is replaced: the colour of the base is kept.
+    None,
+}
+
+impl ColorShift {
+    /// Reads `nonlinear`.
+    pub(super) fn read(parameters: &Parameters<'_>) -> Self {
+        match parameters.boolean("nonlinear", false) {
+            true => Self::Nonlinear,
+            false => Self::None,
+        }
+    }
+}
+
+/// The share of samples that go to the specular lobe of a coated surface, where the coat reflects
+/// the share `reflected`.
+#[inline(always)]
+pub(super) fn specular_probability<R: Real>(
+    specular: SpectrumLanes<R>,
+    base: SpectrumLanes<R>,
+    reflected: R,
+) -> R {
+    let specular = specular.mean() * reflected;
+    let diffuse = base.mean() * (-reflected + 1.0);
+    let total = specular + diffuse;
+    R::select(total.above(0.0), specular / total, total.zero())
+}
+
+/// The cosine-weighted mean of [`fresnel::dielectric`] over the inside of an interface.
+pub(super) fn internal_diffuse_reflectance(eta: f32) -> f32 {
+    fresnel::diffuse_reflectance(1.0 / eta)
+}
+
+/// The nested materials of a wrapper that takes as many as `allowed` says; `None` after reporting
+/// that there are more or fewer, or that one of them is wrong.
+pub(super) fn nested(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    allowed: RangeInclusive<usize>,
+) -> Option<Vec<MaterialId>> {
+    let count = parameters.children_of(Class::Bsdf).len();
+    let materials = builder.nested_materials(parameters);
+    if allowed.contains(&count) {
+        return (materials.len() == count).then_some(materials);
+    }
+    let wanted = match (allowed.start(), allowed.end()) {
+        (1, 1) => "one material".to_owned(),
+        (low, high) if low == high => format!("{low} materials"),
+        (low, high) => format!("{low} or {high} materials"),
+    };
+    let fault = if count < *allowed.start() { Fault::MissingParameter } else { Fault::BadValue };
+    let message = format!("`{}` needs {wanted} inside it, not {count}", parameters.plugin());
+    parameters.error(fault, "", message);
+    None
+}

@@ -1,0 +1,108 @@
+//! `null`: a surface that is not there, and what lets light go straight on but for a share of it.
+
+use super::{BsdfSample, Closure, Lobe, Transport};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::Manual;
+use crate::texture::{ColorSource, Textures};
+use etendue_document::Parameters;
+use etendue_spectrum::Spectrum;
+use glam::{Vec2, Vec3};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "No surface at all: light goes straight through. It marks where a medium ends.",
+    parameters: &[],
+    sample: r#"<bsdf type="null"/>"#,
+};
+
+/// A surface that turns no light aside: not there at all, or a filter.
+#[derive(Clone, Copy, Debug)]
+pub struct Null {
+    transmittance: ColorSource,
+    /// A factor on the transmittance.
+    share: f32,
+}
+
+/// Reads the parameters: there are none.
+pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<Null> {
+    Some(Null { transmittance: ColorSource::Constant(Spectrum::ONE), share: 1.0 })
+}
+
+impl Null {
+    /// A filter that lets `share` of a transmittance through.
+    #[must_use]
+    pub fn filter(transmittance: ColorSource, share: f32) -> Self {
+        Self { transmittance, share }
+    }
+
+    /// Reads the texture at a hit.
+    #[inline]
+    #[must_use]
+    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> NullClosure {
+        NullClosure { transmittance: self.transmittance.eval(textures, surface) * self.share }
+    }
+}
+
+/// Light goes straight on, as much of it as is let through.
+#[derive(Clone, Copy, Debug)]
+pub struct NullClosure {
+    transmittance: Spectrum,
+}
+
+impl NullClosure {
+    /// All light goes straight on.
+    pub const CLEAR: Self = Self { transmittance: Spectrum::ONE };
+}
+
+impl Closure for NullClosure {
+    #[inline]
+    fn eval_pdf(&self, _wi: Vec3, _wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
+        (Spectrum::ZERO, 0.0)
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        wi: Vec3,
+        _lobe: f32,
+        _direction: Vec2,
+        _transport: Transport,
+    ) -> Option<BsdfSample> {
+        let weight = self.transmittance;
+        Some(BsdfSample { wo: -wi, weight, pdf: 1.0, eta: 1.0, lobe: Lobe::Null })
+    }
+
+    #[inline]
+    fn null_transmission(&self, _wi: Vec3) -> (Spectrum, f32) {
+        (self.transmittance, 1.0)
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        false
+    }
+
+    fn albedo(&self, _wi: Vec3) -> Spectrum {
+        self.transmittance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::testing::TestMaterial;
+    use crate::bsdf::{Lobe, Transport};
+    use etendue_spectrum::Spectrum;
+    use glam::{Vec2, Vec3};
+
+    #[test]
+    fn light_goes_straight_on() {
+        let material = TestMaterial::read(r#"<bsdf type="null"/>"#);
+        let wi = Vec3::new(0.6, 0.0, -0.8);
+        let bsdf = material.bsdf(wi);
+        assert!(!bsdf.has_smooth_lobe());
+        let sample = bsdf.sample(wi, 0.5, Vec2::ZERO, Transport::Radiance).expect("a sample");
+        assert_eq!((sample.wo, sample.lobe, sample.pdf), (-wi, Lobe::Null, 1.0));
+        assert_eq!(bsdf.null_transmission(wi), (Spectrum::ONE, 1.0));
+    }
+}

@@ -1,0 +1,244 @@
+//! `plastic`: a smooth clear coat over a matt base.
+
+use super::conductor::SPECULAR_REFLECTANCE;
+use super::dielectric::EXT_IOR;
+use super::inputs::{
+    ColorShift, coated_base, internal_diffuse_reflectance, reflectance, relative_index,
+    specular_probability,
+};
+use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use super::{Transport, fresnel};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, ParameterManual, parameter};
+use crate::texture::{ColorSource, Textures};
+use etendue_document::Parameters;
+use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
+use etendue_sampling::warp::cosine_hemisphere;
+use etendue_spectrum::{Spectrum, SpectrumLanes};
+use glam::Vec3;
+
+/// The matt base, which the rough coat has too.
+pub(super) const DIFFUSE_REFLECTANCE: ParameterManual = parameter(
+    "diffuse_reflectance",
+    "spectrum or texture",
+    "0.5",
+    "The share of light that the base under the coat scatters.",
+);
+/// The index of the coat.
+pub(super) const INT_IOR: ParameterManual = parameter(
+    "int_ior",
+    "float or string",
+    "polypropylene",
+    "The index of refraction of the coat: a number, or a name.",
+);
+/// What scattering inside does to colours.
+pub(super) const NONLINEAR: ParameterManual = parameter(
+    "nonlinear",
+    "boolean",
+    "false",
+    "Whether scattering inside the coat shifts the colour of the base, as in reality.",
+);
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Polished plastic: a matt base under a smooth clear coat, with all the light that goes \
+              back and forth between them. Black from behind; see `twosided`.",
+    parameters: &[DIFFUSE_REFLECTANCE, SPECULAR_REFLECTANCE, INT_IOR, EXT_IOR, NONLINEAR],
+    sample: r#"<bsdf type="plastic">
+    <rgb name="diffuse_reflectance" value="0.1, 0.27, 0.36"/>
+    <float name="int_ior" value="1.9"/>
+</bsdf>"#,
+};
+
+/// A smooth coat over a matt base.
+#[derive(Clone, Copy, Debug)]
+pub struct Plastic {
+    diffuse_reflectance: ColorSource,
+    specular_reflectance: ColorSource,
+    eta: f32,
+    shift: ColorShift,
+    /// The share of diffuse light that the coat reflects from inside.
+    internal_diffuse_reflectance: f32,
+}
+
+/// Reads the parameters.
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Plastic> {
+    let eta = relative_index(builder, parameters, "polypropylene");
+    Some(Plastic {
+        diffuse_reflectance: reflectance(builder, parameters, "diffuse_reflectance", 0.5),
+        specular_reflectance: reflectance(builder, parameters, "specular_reflectance", 1.0),
+        eta,
+        shift: ColorShift::read(parameters),
+        internal_diffuse_reflectance: internal_diffuse_reflectance(eta),
+    })
+}
+
+impl Plastic {
+    /// Reads the textures at a hit.
+    #[inline]
+    #[must_use]
+    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> PlasticClosure {
+        let reflectance = self.diffuse_reflectance.eval(textures, surface);
+        let base = coated_base(reflectance, self.internal_diffuse_reflectance, self.shift)
+            / (self.eta * self.eta);
+        PlasticClosure {
+            base: base.into(),
+            reflectance: reflectance.into(),
+            specular: self.specular_reflectance.eval(textures, surface).into(),
+            eta: self.eta,
+            internal_diffuse_reflectance: self.internal_diffuse_reflectance,
+        }
+    }
+
+    /// Whether the closure is the same everywhere.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.diffuse_reflectance.is_constant() && self.specular_reflectance.is_constant()
+    }
+}
+
+/// A resolved smooth coat over a matt base.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PlasticClosure<R = f32> {
+    /// The base's reflectance with the light thrown back, over the squared index.
+    base: SpectrumLanes<R>,
+    /// The base's reflectance alone, which weighs the choice of lobes.
+    reflectance: SpectrumLanes<R>,
+    specular: SpectrumLanes<R>,
+    eta: R,
+    internal_diffuse_reflectance: R,
+}
+
+impl<R: Real> PlasticClosure<R> {
+    /// The same closure with its numbers passed on, in lanes or out of them.
+    #[inline(always)]
+    pub(super) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> PlasticClosure<T> {
+        PlasticClosure {
+            base: numbers.spectrum(self.base),
+            reflectance: numbers.spectrum(self.reflectance),
+            specular: numbers.spectrum(self.specular),
+            eta: numbers.number(self.eta),
+            internal_diffuse_reflectance: numbers.number(self.internal_diffuse_reflectance),
+        }
+    }
+
+    /// The share of light that goes through the coat.
+    #[inline(always)]
+    fn transmitted(&self, cosine: R) -> R {
+        -fresnel::dielectric(cosine, self.eta).reflectance + 1.0
+    }
+
+    /// The share of samples that go to the mirror, where the coat lets the share `entering` in.
+    #[inline(always)]
+    fn specular_probability(&self, entering: R) -> R {
+        specular_probability(self.specular, self.reflectance, -entering + 1.0)
+    }
+
+    /// What the base does. `wi` is above the surface, and `entering` the share of its light that the
+    /// coat lets in.
+    #[inline(always)]
+    fn eval_pdf_entering(&self, entering: R, wo: Vector3<R>) -> (SpectrumLanes<R>, R) {
+        let cosine = cosine_hemisphere::pdf_lanes(wo);
+        let value = self.base * (cosine * entering * self.transmitted(wo.z));
+        (value, cosine * (-self.specular_probability(entering) + 1.0))
+    }
+}
+
+impl<R: Real> LaneClosure<R> for PlasticClosure<R> {
+    #[inline(always)]
+    fn eval_pdf_lanes(
+        &self,
+        wi: Vector3<R>,
+        wo: Vector3<R>,
+        _transport: Transport,
+    ) -> (SpectrumLanes<R>, R) {
+        let above = wi.z.above(0.0) & wo.z.above(0.0);
+        let nothing = (SpectrumLanes::grey(wi.z.zero()), wi.z.zero());
+        if !above.any() {
+            return nothing;
+        }
+        let (value, pdf) = self.eval_pdf_entering(self.transmitted(wi.z), wo);
+        (SpectrumLanes::select(above, value, nothing.0), R::select(above, pdf, nothing.1))
+    }
+
+    #[inline(always)]
+    fn sample_lanes(
+        &self,
+        wi: Vector3<R>,
+        lobe: R,
+        direction: Vector2<R>,
+        _transport: Transport,
+    ) -> SampleLanes<R> {
+        let above = wi.z.above(0.0);
+        if !above.any() {
+            return SampleLanes::none(wi);
+        }
+        let entering = self.transmitted(wi.z);
+        let probability = self.specular_probability(entering);
+        let is_specular = lobe.lt(probability);
+        let weight = self.specular * ((-entering + 1.0) / probability);
+        let (wo, pdf, exists) = (fresnel::mirror(wi), probability, above);
+        let mirrored = SampleLanes { wo, weight, pdf, exists, ..SampleLanes::none(wi) };
+        if is_specular.all() {
+            return mirrored;
+        }
+        let wo = cosine_hemisphere::sample_lanes(direction);
+        let (value, pdf) = self.eval_pdf_entering(entering, wo);
+        let (weight, exists) = (value * pdf.reciprocal(), above & pdf.above(0.0));
+        let base = SampleLanes { wo, weight, pdf, exists, ..SampleLanes::smooth(wi) };
+        SampleLanes::select(is_specular, mirrored, base)
+    }
+}
+
+impl HitClosure for PlasticClosure {
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        true
+    }
+
+    fn albedo(&self, wi: Vec3) -> Spectrum {
+        if wi.z <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        let entering = self.transmitted(wi.z);
+        // What diffuse light leaves through the coat: (1 − F inside) η² of (1 − F outside) / η².
+        let leaving = (1.0 - self.internal_diffuse_reflectance) * self.eta * self.eta;
+        (self.specular * (1.0 - entering) + self.base * (entering * leaving)).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::bsdf::Transport;
+    use crate::bsdf::testing::TestMaterial;
+    use glam::Vec3;
+
+    #[test]
+    fn scattering_inside_darkens_and_saturates() {
+        let base = r#"<rgb name="diffuse_reflectance" value="0.2, 0.5, 0.8"/>"#;
+        let value = |nonlinear: bool| {
+            let xml = format!(
+                r#"<bsdf type="plastic">{base}<boolean name="nonlinear" value="{nonlinear}"/></bsdf>"#
+            );
+            TestMaterial::read(&xml).bsdf(Vec3::Z).eval_pdf(Vec3::Z, Vec3::Z, Transport::Radiance).0
+        };
+        let (kept, shifted) = (value(false), value(true));
+        assert!((kept[2] / kept[0] - 4.0).abs() < 1e-4);
+        assert!(shifted[2] / shifted[0] > 4.5);
+        assert!((kept - shifted).min_component() > 0.0);
+    }
+
+    #[test]
+    fn a_coat_of_the_outer_index_is_not_there() {
+        let bare = TestMaterial::read(
+            r#"<bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/>
+               </bsdf>"#,
+        );
+        let matt = TestMaterial::read(r#"<bsdf type="diffuse"/>"#);
+        let wo = Vec3::new(0.6, 0.0, 0.8);
+        let [bare, matt] = [&bare, &matt]
+            .map(|material| material.bsdf(Vec3::Z).eval_pdf(Vec3::Z, wo, Transport::Radiance));
+        assert!((bare.0 - matt.0).abs().max_component() < 1e-6);
+        assert!((bare.1 - matt.1).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,189 @@
+//! Shapes, groups and instances.
+
+use super::assets::LoadedShape;
+use super::{Builder, read_transform};
+use crate::emitter::{Emitter, read_sampling_weight};
+use crate::ids::{EmitterId, GroupId, MaterialId, ShapeId};
+use crate::registry;
+use crate::scene::{Parts, build_tree};
+use crate::shape::instance::Instance;
+use crate::shape::shapegroup::Group;
+use crate::shape::{Geometry, Shape};
+use etendue_document::{Child, Class, Fault, NodeId, Parameters};
+use std::collections::HashMap;
+
+/// Shapes whose geometry is there, waiting for materials.
+type LoadedShapes<'a> = HashMap<NodeId, LoadedShape<'a>>;
+
+impl<'a> Builder<'a> {
+    /// All shapes of the scene, those that stand alone, then those within groups; and instances.
+    pub(super) fn shapes(&mut self, root: &Parameters<'_>, mut loaded: LoadedShapes<'a>) -> Parts {
+        let mut parts = Parts::default();
+        let children = root.children_of(Class::Shape);
+        let plugin = |child: &&Child| self.assets.document.node(child.node).plugin.as_str();
+        let (composite, simple): (Vec<_>, Vec<_>) = children.into_iter().partition(|child| {
+            registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin(child))
+        });
+        let instances: Vec<NodeId> = composite
+            .iter()
+            .filter(|child| plugin(child) == "instance")
+            .map(|child| child.node)
+            .collect();
+        for child in simple {
+            if let Some(shape) = loaded.remove(&child.node) {
+                self.add_shape(shape, &mut parts);
+            }
+        }
+        self.add_instances(&instances, &mut loaded, &mut parts);
+        parts
+    }
+
+    fn add_shape(&mut self, loaded: LoadedShape<'_>, parts: &mut Parts) {
+        let LoadedShape { parameters, geometry } = loaded;
+        let material = self.shape_material(&parameters);
+        let Some(mut geometry) = geometry else { return };
+        self.keep_attributes(&parameters, &mut geometry);
+        let id = ShapeId(parts.shapes.len() as u32);
+        let emitter = self.shape_emitter(&parameters, id).map(|emitter| {
+            geometry.prepare_sampling();
+            if let (Geometry::Mesh(mesh), Emitter::Area(area)) = (&mut geometry, &emitter) {
+                area.let_follow(mesh, &self.textures);
+            }
+            parts.emitters.push(emitter);
+            EmitterId(parts.emitters.len() as u32 - 1)
+        });
+        parts.medium_interfaces.extend(
+            self.medium_interface(&parameters).map(|medium_interface| (id, medium_interface)),
+        );
+        for child in parameters.children_of(Class::Sensor) {
+            parts.sensors.extend(self.sensor(child.node, Some(&geometry)));
+        }
+        parameters.finish();
+        parts.shapes.push(Shape { geometry, material, emitter });
+    }
+
+    fn shape_material(&mut self, parameters: &Parameters<'_>) -> MaterialId {
+        let children = parameters.children_of(Class::Bsdf);
+        if let [_, second, ..] = children.as_slice() {
+            let message = "a shape has one material: this one is left out";
+            self.assets.diagnostics.warning(Fault::BadValue, second.span, message);
+        }
+        let first = children.first().and_then(|child| self.material(child.node));
+        first.unwrap_or_else(|| self.default_material())
+    }
+
+    fn shape_emitter(&mut self, parameters: &Parameters<'_>, shape: ShapeId) -> Option<Emitter> {
+        let child = parameters.unnamed_child(Class::Emitter)?;
+        let parameters = self.parameters(child.node);
+        let build = registry::find(registry::SHAPE_EMITTERS, &parameters)?;
+        let emitter = build(self, &parameters, shape);
+        self.emitter_weights.push(read_sampling_weight(&parameters));
+        parameters.finish();
+        Some(emitter)
+    }
+
+    fn add_instances(
+        &mut self,
+        nodes: &[NodeId],
+        loaded: &mut LoadedShapes<'a>,
+        parts: &mut Parts,
+    ) {
+        // Groups are built first: an instance's box needs its group's.
+        let mut groups: HashMap<NodeId, Option<GroupId>> = HashMap::new();
+        let mut grouped = Vec::new();
+        let mut placed = Vec::with_capacity(nodes.len());
+        parts.instances.reserve_exact(nodes.len());
+        for &node in nodes {
+            let parameters = self.parameters(node);
+            let to_world = read_transform(&parameters, "to_world");
+            let group = self.group_of(&parameters, &mut groups, loaded, &mut grouped);
+            let span = parameters.span();
+            parameters.finish();
+            let (Some(to_world), Some(group)) = (to_world, group) else { continue };
+            // Rays are taken into the group by the inverse that single precision gives.
+            if !to_world.affine().inverse().is_finite() {
+                let message = "this shape reaches beyond what single precision can hold";
+                self.assets.diagnostics.error(Fault::Geometry, span, message);
+                continue;
+            }
+            parts.instances.push(Instance::new(group, &to_world));
+            placed.push(node);
+        }
+        let mut first = parts.shapes.len() as u32;
+        for Parts { shapes, medium_interfaces, .. } in &grouped {
+            let in_scene = |id: ShapeId| ShapeId(first + id.0);
+            parts
+                .medium_interfaces
+                .extend(medium_interfaces.iter().map(|&(id, media)| (in_scene(id), media)));
+            match build_tree(shapes, (&[], &[]), self.options.tier) {
+                Ok(bvh) => {
+                    parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) })
+                }
+                Err(problem) => {
+                    self.assets.diagnostics.error(Fault::Geometry, None, problem);
+                    return;
+                }
+            }
+            first += shapes.len() as u32;
+        }
+        for (instance, node) in parts.instances.iter().zip(placed) {
+            let bounds = instance.bounds(&parts.groups[instance.group.index()]);
+            self.assets.check_bounds(&bounds, self.assets.document.node(node).span);
+        }
+        parts.top_level_shapes = Some(parts.shapes.len());
+        parts.shapes.extend(grouped.into_iter().flat_map(|members| members.shapes));
+    }
+
+    fn group_of(
+        &mut self,
+        instance: &Parameters<'_>,
+        groups: &mut HashMap<NodeId, Option<GroupId>>,
+        loaded: &mut LoadedShapes<'a>,
+        grouped: &mut Vec<Parts>,
+    ) -> Option<GroupId> {
+        let Some(child) = instance.unnamed_child(Class::Shape) else {
+            instance.error(
+                Fault::MissingParameter,
+                "shapegroup",
+                "an instance needs a shape group",
+            );
+            return None;
+        };
+        if let Some(known) = groups.get(&child.node) {
+            return *known;
+        }
+        let parameters = self.parameters(child.node);
+        let group = if parameters.plugin() == "shapegroup" {
+            grouped.push(self.grouped(&parameters, loaded));
+            Some(GroupId(grouped.len() as u32 - 1))
+        } else {
+            parameters.error(
+                Fault::BadValue,
+                "shapegroup",
+                "an instance takes a `shapegroup`, no other shape",
+            );
+            None
+        };
+        parameters.finish();
+        groups.insert(child.node, group);
+        group
+    }
+
+    fn grouped(&mut self, group: &Parameters<'_>, loaded: &mut LoadedShapes<'a>) -> Parts {
+        let mut members = Parts::default();
+        for child in group.children_of(Class::Shape) {
+            match loaded.remove(&child.node) {
+                Some(shape) => self.add_shape(shape, &mut members),
+                None => {
+                    let message = "a shape group holds shapes of its own: no instances or groups, and none twice";
+                    self.assets.diagnostics.error(Fault::Unsupported, child.span, message);
+                }
+            }
+        }
+        if !members.emitters.is_empty() {
+            let message = "shapes of a group cannot emit light";
+            self.assets.diagnostics.error(Fault::Unsupported, group.span(), message);
+        }
+        members
+    }
+}

@@ -1,0 +1,209 @@
+//! `area`: a shape that glows.
+
+use super::lanes::{LightLanes, TargetLanes};
+use super::{DirectionSample, SAMPLING_WEIGHT, Target};
+use crate::builder::Builder;
+use crate::ids::ShapeId;
+use crate::interaction::SurfaceInteraction;
+use crate::manual::{Manual, parameter};
+use crate::scene::Scene;
+use crate::shape::area_to_solid_angle_lanes;
+use crate::shape::mesh::{Glow, LightPoint, Mesh, Parallelogram, ParallelogramBatch};
+use crate::texture::{ColorSource, Texture};
+use etendue_document::Parameters;
+use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
+use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse};
+use glam::{Vec2, Vec3};
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Makes the shape that it is nested in a diffuse light: radiance leaves its front, the same \
+              in all directions. A picture on a mesh is sampled in proportion to its light.",
+    parameters: &[
+        parameter(
+            "radiance",
+            "spectrum or texture",
+            "1",
+            "Radiance that leaves the surface, W·m⁻²·sr⁻¹.",
+        ),
+        SAMPLING_WEIGHT,
+    ],
+    sample: r#"<shape type="sphere"><emitter type="area"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
+};
+
+/// A glowing shape.
+#[derive(Clone, Debug)]
+pub struct Area {
+    shape: ShapeId,
+    radiance: ColorSource,
+}
+
+/// Reads an area emitter for `shape`.
+#[must_use]
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>, shape: ShapeId) -> Area {
+    Area { shape, radiance: builder.color(parameters, "radiance", 1.0, SpectrumUse::Emission) }
+}
+
+/// The unit direction from `reference` to a point of a light with this shading normal, and whether
+/// light comes from there: not where the light shows its back, and not where the points coincide.
+#[inline(always)]
+fn towards<R: Real>(
+    reference: Vector3<R>,
+    point: Vector3<R>,
+    shading_normal: Vector3<R>,
+) -> (Vector3<R>, R::Mask) {
+    let (direction, exists) = (point - reference).try_normalize();
+    let cosine = direction.dot(shading_normal);
+    (direction, exists & !cosine.ge(cosine.zero()))
+}
+
+/// The light of a point that was chosen, as [`Area::sample_direction`].
+#[inline(always)]
+pub(super) fn light_from<R: Real>(
+    place: LightPoint<R>,
+    radiance: SpectrumLanes<R>,
+    reference: Vector3<R>,
+) -> LightLanes<R> {
+    let LightPoint { point, error, normal, shading_normal, pdf } = place;
+    let (pdf, visible) = area_to_solid_angle_lanes(pdf, point - reference, normal);
+    let (direction, shines) = towards(reference, point, shading_normal);
+    let never = visible & !visible;
+    LightLanes {
+        direction,
+        radiance,
+        pdf,
+        delta: never,
+        exists: visible & shines,
+        target: TargetLanes { point, error, normal, afar: never },
+    }
+}
+
+/// A flat parallelogram that glows evenly, or one for each lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ParallelogramLight<R> {
+    pub(super) shape: Parallelogram<R>,
+    pub(super) radiance: SpectrumLanes<R>,
+}
+
+impl<R: Real> ParallelogramLight<R> {
+    /// As [`Area::sample_direction`].
+    #[inline(always)]
+    pub(super) fn sample_direction(
+        &self,
+        reference: Vector3<R>,
+        random: Vector2<R>,
+    ) -> LightLanes<R> {
+        light_from(self.shape.light_point(random), self.radiance, reference)
+    }
+}
+
+impl ParallelogramLight<f32> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub(super) fn splat<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
+        ParallelogramLight {
+            shape: self.shape.splat(simd),
+            radiance: SpectrumLanes::splat(simd, self.radiance.into()),
+        }
+    }
+}
+
+/// A panel for each lane, side by side in memory.
+#[derive(Debug, Default)]
+pub(super) struct ParallelogramLightBatch {
+    shape: ParallelogramBatch,
+    radiance: [LaneArray; Spectrum::LANES],
+}
+
+impl ParallelogramLightBatch {
+    /// Puts a panel in a lane.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, panel: &ParallelogramLight<f32>) {
+        self.shape.set(lane, &panel.shape);
+        self.set_radiance(lane, panel.radiance.into());
+    }
+
+    /// Puts radiance in a lane that has no panel.
+    #[inline(always)]
+    pub(super) fn set_radiance(&mut self, lane: usize, radiance: Spectrum) {
+        SpectrumLanes::from(radiance).put(&mut self.radiance, lane);
+    }
+
+    /// The panels of the first lanes.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
+        ParallelogramLight {
+            shape: self.shape.load(simd),
+            radiance: SpectrumLanes::load(simd, &self.radiance, 0),
+        }
+    }
+}
+
+impl Area {
+    /// The radiance that leaves towards `surface.wi`: none at the back.
+    #[inline]
+    pub(super) fn radiance(&self, scene: &Scene, surface: &SurfaceInteraction) -> Spectrum {
+        if surface.wi.z <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        self.radiance.eval(scene.textures(), surface)
+    }
+
+    /// Lets points of the light's mesh follow the picture that it shows, if it shows one.
+    pub(crate) fn let_follow(&self, mesh: &mut Mesh, textures: &[Texture]) {
+        let ColorSource::Texture(id) = self.radiance else { return };
+        if let Texture::Bitmap(picture) = &textures[id.index()] {
+            let luminance = |uv: Vec2| picture.eval(uv).luminance();
+            mesh.follow(Glow { luminance: &luminance, resolution: picture.resolution() });
+        }
+    }
+
+    /// The shape and what it sends out.
+    pub(super) fn source(&self) -> (ShapeId, ColorSource) {
+        (self.shape, self.radiance)
+    }
+
+    #[inline(always)]
+    pub(super) fn sample_direction(
+        &self,
+        scene: &Scene,
+        reference: Vec3,
+        random: Vec2,
+    ) -> Option<DirectionSample> {
+        let sample = scene.shape(self.shape).sample_direction(reference, random)?;
+        let (point, shading_normal) = (sample.point.into(), sample.shading_normal.into());
+        let (direction, shines) = towards(reference.into(), point, shading_normal);
+        if !shines {
+            return None;
+        }
+        let direction = Vec3::from(direction);
+        let radiance = match self.radiance {
+            ColorSource::Constant(radiance) => radiance,
+            ColorSource::Texture(_) => {
+                let surface = sample.interaction(self.shape, -direction);
+                self.radiance.eval(scene.textures(), &surface)
+            }
+        };
+        Some(DirectionSample {
+            direction,
+            radiance,
+            pdf: sample.pdf,
+            delta: false,
+            target: Target::Point {
+                point: sample.point,
+                error: sample.error,
+                normal: sample.normal,
+            },
+        })
+    }
+
+    #[inline]
+    pub(super) fn pdf_direction(
+        &self,
+        scene: &Scene,
+        reference: Vec3,
+        surface: &SurfaceInteraction,
+    ) -> f32 {
+        scene.shape(self.shape).pdf_direction(reference, surface)
+    }
+}

@@ -1,0 +1,364 @@
+//! Light chosen for several paths at once.
+//!
+//! Every lane has the bits of [`Scene::sample_light`]. Panels (flat lights of even radiance), other
+//! meshes of even radiance and even surroundings are sampled in lanes; the other emitters lane by lane.
+
+mod batch;
+
+use super::area::{Area, ParallelogramLight, ParallelogramLightBatch, light_from};
+use super::constant::light_from_everywhere;
+use super::{DirectionSample, Emitter, SHADOW_RAY_LENGTH};
+use crate::ids::ShapeId;
+use crate::interaction::SurfaceLanes;
+use crate::scene::{Scene, choose_evenly};
+use crate::shape::mesh::{LightPoint, LightPointBatch};
+use crate::shape::{Geometry, Shape};
+use crate::texture::ColorSource;
+use batch::{LightBatch, Places};
+use etendue_math::lanes::{
+    LaneArray, LaneMask, Lanes, MAX_LANES, Mask, Real, Simd, Vector2, Vector3,
+};
+use etendue_math::{RayLanes, offset_origin_lanes};
+use etendue_spectrum::{Spectrum, SpectrumLanes};
+use glam::{Vec2, Vec3};
+
+/// Light that may arrive at points, one for each lane; see [`DirectionSample`].
+#[derive(Clone, Copy, Debug)]
+pub struct LightLanes<R: Real> {
+    /// The unit directions from the reference points towards the light.
+    pub direction: Vector3<R>,
+    /// Radiance that would arrive if nothing stood between; for delta emitters, irradiance on a
+    /// surface facing the light.
+    pub radiance: SpectrumLanes<R>,
+    /// The density in solid angle, of all emitters together.
+    pub pdf: R,
+    /// Whether only this technique can find the light.
+    pub delta: R::Mask,
+    /// Whether there is any light; the rest means nothing where there is none.
+    pub exists: R::Mask,
+    /// Where the shadow rays go.
+    pub target: TargetLanes<R>,
+}
+
+/// Where shadow rays go, one for each lane; see [`Target`](super::Target).
+#[derive(Clone, Copy, Debug)]
+pub struct TargetLanes<R: Real> {
+    /// The point.
+    pub point: Vector3<R>,
+    /// A bound of the absolute error of each coordinate of `point`.
+    pub error: Vector3<R>,
+    /// The unit geometric normal, or zero.
+    pub normal: Vector3<R>,
+    /// Whether the ray goes to infinity, whatever the point.
+    pub afar: R::Mask,
+}
+
+impl<R: Real> LightLanes<R> {
+    /// `yes` where the mask is true, `no` elsewhere.
+    #[inline(always)]
+    fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        let (to, other) = (yes.target, no.target);
+        Self {
+            direction: Vector3::select(mask, yes.direction, no.direction),
+            radiance: SpectrumLanes::select(mask, yes.radiance, no.radiance),
+            pdf: R::select(mask, yes.pdf, no.pdf),
+            delta: either(mask, yes.delta, no.delta),
+            exists: either(mask, yes.exists, no.exists),
+            target: TargetLanes {
+                point: Vector3::select(mask, to.point, other.point),
+                error: Vector3::select(mask, to.error, other.error),
+                normal: Vector3::select(mask, to.normal, other.normal),
+                afar: either(mask, to.afar, other.afar),
+            },
+        }
+    }
+
+    /// The rays that must be free for the light to arrive at the surfaces.
+    #[inline(always)]
+    #[must_use]
+    pub fn shadow_rays(&self, surface: &SurfaceLanes<R>) -> RayLanes<R> {
+        let origin = surface.ray_origin(self.direction);
+        let TargetLanes { point, error, normal, afar } = self.target;
+        let target = offset_origin_lanes(point, error, normal, -self.direction);
+        let near = shadow_segment(origin, target);
+        if !afar.any() {
+            return near;
+        }
+        let unbounded = near.t_max.like(f32::INFINITY);
+        RayLanes {
+            origin,
+            direction: Vector3::select(afar, self.direction, near.direction),
+            t_max: R::select(afar, unbounded, near.t_max),
+        }
+    }
+}
+
+/// `yes` where the mask is true, `no` elsewhere.
+#[inline(always)]
+fn either<M: Mask>(mask: M, yes: M, no: M) -> M {
+    mask & yes | !mask & no
+}
+
+/// The shadow rays between two points that lie clear of their surfaces.
+#[inline(always)]
+pub(super) fn shadow_segment<R: Real>(origin: Vector3<R>, target: Vector3<R>) -> RayLanes<R> {
+    RayLanes { origin, direction: target - origin, t_max: origin.x.like(SHADOW_RAY_LENGTH) }
+}
+
+/// What several paths at once can sample of an emitter.
+#[derive(Debug)]
+enum LaneEmitter {
+    /// A flat light of even radiance.
+    ParallelogramLight(ParallelogramLight<f32>),
+    /// The same radiance from everywhere afar.
+    ConstantEnvironment(Spectrum),
+    /// A mesh of even radiance, whose triangles are chosen by their area.
+    Mesh(ShapeId, Spectrum),
+    /// Nothing: it is sampled for one path after another.
+    Other,
+}
+
+impl LaneEmitter {
+    fn new(emitter: &Emitter, shapes: &[Shape]) -> Self {
+        match emitter {
+            Emitter::Area(area) => Self::of_area(area, shapes),
+            Emitter::Constant(constant) => Self::ConstantEnvironment(constant.radiance()),
+            _ => Self::Other,
+        }
+    }
+
+    fn of_area(area: &Area, shapes: &[Shape]) -> Self {
+        let (shape, ColorSource::Constant(radiance)) = area.source() else { return Self::Other };
+        let Geometry::Mesh(mesh) = &shapes[shape.index()].geometry else { return Self::Other };
+        match mesh.parallelogram() {
+            Some(flat) => Self::ParallelogramLight(ParallelogramLight {
+                shape: *flat,
+                radiance: radiance.into(),
+            }),
+            None if mesh.chooses_triangles() => Self::Mesh(shape, radiance),
+            None => Self::Other,
+        }
+    }
+
+    /// As [`Emitter::sample_direction`], if all lanes sample this emitter and can do so together.
+    #[inline(always)]
+    fn sample_direction<S: Simd>(
+        &self,
+        simd: S,
+        reference: Vector3<Lanes<S>>,
+        random: Vector2<Lanes<S>>,
+    ) -> Option<LightLanes<Lanes<S>>> {
+        match self {
+            Self::ParallelogramLight(panel) => {
+                Some(panel.splat(simd).sample_direction(reference, random))
+            }
+            Self::ConstantEnvironment(radiance) => {
+                Some(light_from_everywhere(SpectrumLanes::splat(simd, *radiance), random))
+            }
+            Self::Mesh(..) | Self::Other => None,
+        }
+    }
+}
+
+/// What several paths at once can sample of each of a scene's emitters.
+#[derive(Debug)]
+pub(crate) struct LaneEmitters(Vec<LaneEmitter>);
+
+impl LaneEmitters {
+    pub(crate) fn new(emitters: &[Emitter], shapes: &[Shape]) -> Self {
+        Self(emitters.iter().map(|emitter| LaneEmitter::new(emitter, shapes)).collect())
+    }
+}
+
+/// Emitters chosen, one for each lane.
+struct Choices<S: Simd> {
+    /// Which emitters; any where none is wanted.
+    emitters: [u32; MAX_LANES],
+    /// The probability of having chosen them.
+    probability: Lanes<S>,
+    /// What is left of the random numbers.
+    rest: Lanes<S>,
+}
+
+impl Scene {
+    /// Light from an emitter chosen by chance, seen from `point`; its density is that of all emitters
+    /// together.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample_light(&self, point: Vec3, mut random: Vec2) -> Option<DirectionSample> {
+        let choice = self.choose_emitter(&mut random.x)?;
+        let emitter = self.emitter(choice.emitter);
+        let mut light = emitter.sample_direction(self, point, random)?;
+        light.pdf *= choice.probability;
+        Some(light)
+    }
+
+    /// As [`Self::sample_light`] for the lanes that are `wanted`; there is no light for the others.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample_lights<S: Simd>(
+        &self,
+        simd: S,
+        reference: Vector3<Lanes<S>>,
+        random: Vector2<Lanes<S>>,
+        wanted: LaneMask<S>,
+    ) -> LightLanes<Lanes<S>> {
+        if let [lamp] = self.lamps().0.as_slice() {
+            let (_, rest) = choose_evenly(random.x, 1);
+            let rest = Vector2::new(rest, random.y);
+            if let Some(light) = lamp.sample_direction(simd, reference, rest) {
+                return LightLanes { exists: light.exists & wanted, ..light };
+            }
+        }
+        if self.emitters().is_empty() || !wanted.any() {
+            return LightBatch::default().load(simd);
+        }
+        let choices = self.choose_emitters(simd, random.x, wanted);
+        let random = Vector2::new(choices.rest, random.y);
+        let mut light = self.sample_lamps(simd, (reference, random), wanted, &choices.emitters);
+        light.pdf = light.pdf * choices.probability;
+        light
+    }
+
+    /// As [`Self::choose_emitter`] for each lane.
+    #[inline(always)]
+    fn choose_emitters<S: Simd>(
+        &self,
+        simd: S,
+        random: Lanes<S>,
+        wanted: LaneMask<S>,
+    ) -> Choices<S> {
+        let count = self.emitters().len();
+        let mut emitters = [0; MAX_LANES];
+        if self.emitter_table().is_some() {
+            return self.choose_by_weight(simd, random, wanted.bits());
+        }
+        let (index, rest) = choose_evenly(random, count);
+        let mut indices = LaneArray::ZERO;
+        index.store(&mut indices, 0);
+        for lane in lanes_of(wanted.bits()) {
+            emitters[lane] = (indices.0[lane] as u32).min(count as u32 - 1);
+        }
+        Choices { emitters, probability: Lanes::splat(simd, 1.0 / count as f32), rest }
+    }
+
+    #[inline(always)]
+    fn choose_by_weight<S: Simd>(&self, simd: S, random: Lanes<S>, wanted: u32) -> Choices<S> {
+        let mut emitters = [0; MAX_LANES];
+        let (mut numbers, mut probabilities) = (LaneArray::ZERO, LaneArray::ZERO);
+        random.store(&mut numbers, 0);
+        for lane in lanes_of(wanted) {
+            if let Some(choice) = self.choose_emitter(&mut numbers.0[lane]) {
+                emitters[lane] = choice.emitter.0;
+                probabilities.0[lane] = choice.probability;
+            }
+        }
+        let (rest, probability) =
+            (Lanes::load(simd, &numbers, 0), Lanes::load(simd, &probabilities, 0));
+        Choices { emitters, probability, rest }
+    }
+
+    /// Light of the emitters chosen: in lanes where it can be, and one by one of the others.
+    #[inline(always)]
+    fn sample_lamps<S: Simd>(
+        &self,
+        simd: S,
+        (reference, random): (Vector3<Lanes<S>>, Vector2<Lanes<S>>),
+        wanted: LaneMask<S>,
+        emitters: &[u32; MAX_LANES],
+    ) -> LightLanes<Lanes<S>> {
+        let mut block = ParallelogramLightBatch::default();
+        let (mut flat, mut surrounded, mut folded) = (0, 0, 0);
+        for lane in lanes_of(wanted.bits()) {
+            match &self.lamps().0[emitters[lane] as usize] {
+                LaneEmitter::ParallelogramLight(panel) => {
+                    block.set(lane, panel);
+                    flat |= 1 << lane;
+                }
+                LaneEmitter::ConstantEnvironment(radiance) => {
+                    block.set_radiance(lane, *radiance);
+                    surrounded |= 1 << lane;
+                }
+                LaneEmitter::Mesh(_, radiance) => {
+                    block.set_radiance(lane, *radiance);
+                    folded |= 1 << lane;
+                }
+                LaneEmitter::Other => {}
+            }
+        }
+        let panel = block.load(simd);
+        let mut place = panel.shape.light_point(random);
+        if folded != 0 {
+            let points = self.points_of_meshes(simd, folded, emitters, random);
+            place = LightPoint::select(LaneMask::from_bits(simd, folded), points, place);
+        }
+        let mut light = light_from(place, panel.radiance, reference);
+        light.exists = light.exists & LaneMask::from_bits(simd, flat | folded);
+        if surrounded != 0 {
+            let everywhere = light_from_everywhere(light.radiance, random);
+            let surrounded = LaneMask::from_bits(simd, surrounded);
+            light = LightLanes::select(surrounded, everywhere, light);
+        }
+        let others = wanted.bits() & !(flat | folded | surrounded);
+        if others == 0 {
+            return light;
+        }
+        let mut places = Places::default();
+        reference.store(&mut places.reference, 0);
+        random.store(&mut places.random, 0);
+        let mut lights = LightBatch::default();
+        lights.store(&light);
+        self.sample_others(others, emitters, &places, &mut lights);
+        lights.load(simd)
+    }
+
+    /// Points of the glowing meshes of the lanes `folded`.
+    #[inline(always)]
+    fn points_of_meshes<S: Simd>(
+        &self,
+        simd: S,
+        folded: u32,
+        emitters: &[u32; MAX_LANES],
+        random: Vector2<Lanes<S>>,
+    ) -> LightPoint<Lanes<S>> {
+        let mut block = LightPointBatch::default();
+        let mut numbers = [LaneArray::ZERO; 2];
+        random.store(&mut numbers, 0);
+        for lane in lanes_of(folded) {
+            if let LaneEmitter::Mesh(shape, _) = self.lamps().0[emitters[lane] as usize]
+                && let Geometry::Mesh(mesh) = &self.shape(shape).geometry
+            {
+                let random = numbers.each_ref().map(|column| column.0[lane]);
+                block.set(lane, mesh, random.into());
+            }
+        }
+        block.points(simd)
+    }
+
+    /// Light of the emitters of the lanes `others`, one by one.
+    fn sample_others(
+        &self,
+        others: u32,
+        emitters: &[u32; MAX_LANES],
+        places: &Places,
+        lights: &mut LightBatch,
+    ) {
+        for lane in lanes_of(others) {
+            let emitter = &self.emitters()[emitters[lane] as usize];
+            let (reference, random) = places.lane(lane);
+            if let Some(light) = emitter.sample_direction(self, reference, random) {
+                lights.set(lane, &light);
+            }
+        }
+    }
+}
+
+/// The lanes whose bits are set, from the first on.
+#[inline(always)]
+fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        bits &= bits.wrapping_sub(1);
+        (lane < u32::BITS).then_some(lane as usize)
+    })
+}

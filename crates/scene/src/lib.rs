@@ -1,0 +1,36 @@
+//! The plugins, the registry, and the frozen scene.
+//!
+//! A scene has two forms here. The [`etendue_document::Document`] says what the user wrote; the
+//! [`Scene`] is what rays meet: immutable, flat vectors addressed by typed ids, `Send + Sync`.
+//! [`build_scene`] turns the one into the other by walking the registry.
+//!
+//! Families that are used at every hit ([`shape`], [`bsdf`], [`texture`], [`emitter`]) are closed
+//! enums of structs. One plugin is one file, named as its XML type, with its parameters, its
+//! mathematics, its [`Manual`] page and its tests; one line in [`registry`] makes it known.
+#![forbid(unsafe_code)]
+
+pub mod bsdf;
+mod builder;
+pub mod emitter;
+pub mod film;
+mod ids;
+mod interaction;
+mod manual;
+pub mod medium;
+pub mod phase;
+pub mod registry;
+pub mod rfilter;
+pub mod sampler;
+mod scene;
+pub mod sensor;
+pub mod shape;
+pub mod texture;
+pub mod volume;
+
+pub use etendue_bvh::{Hit, Tier};
+
+pub use builder::{Assets, BuildOptions, Builder, GatheredScene, build_scene, gather_scene};
+pub use ids::{EmitterId, GroupId, InstanceId, MaterialId, MediumId, ShapeId, TextureId};
+pub use interaction::{SurfaceBatch, SurfaceInteraction, SurfaceLanes};
+pub use manual::{Manual, ParameterManual};
+pub use scene::{EmitterChoice, Scene, SceneStatistics, SensorSetup};

@@ -1,0 +1,186 @@
+//! Participating media: what fills the space between surfaces.
+//!
+//! # Contract
+//! - Coefficients are per unit of length in the world. The extinction σt is what absorption and
+//!   scattering take together; the albedo is the share of it that is scattered: σs = albedo · σt.
+//! - A shape's `interior` and `exterior` are the media on the side its normals point away from and
+//!   on the side they point to. A path that crosses such a shape is in the medium of the side that
+//!   it goes on to; no other shape changes its medium.
+
+pub mod heterogeneous;
+pub mod homogeneous;
+mod majorants;
+
+pub use heterogeneous::Heterogeneous;
+pub use homogeneous::Homogeneous;
+pub use majorants::{Collision, Tracker};
+
+use crate::builder::Builder;
+use crate::ids::MediumId;
+use crate::manual::{ParameterManual, parameter};
+use crate::phase::{MediumInteraction, PhaseFunction};
+use crate::volume::Volume;
+use crate::volume::gridvolume::GridVolume;
+use etendue_document::{Class, Fault, Parameters};
+use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// A medium of the scene.
+#[derive(Clone, Debug)]
+pub struct Medium {
+    /// What there is of it, and where.
+    pub density: Density,
+    /// How it scatters light.
+    pub phase: PhaseFunction,
+    /// Whether places of scattering look for emitters. It is of no use behind glass, where none can
+    /// be reached straight.
+    pub sample_emitters: bool,
+}
+
+/// How a medium is spread in space.
+#[derive(Clone, Debug)]
+pub enum Density {
+    /// The same everywhere.
+    Homogeneous(Homogeneous),
+    /// Different from place to place.
+    Heterogeneous(Box<Heterogeneous>),
+}
+
+/// The media on both sides of a shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MediumInterface {
+    /// On the side that the shape's normals point away from.
+    pub interior: Option<MediumId>,
+    /// On the side that the shape's normals point to.
+    pub exterior: Option<MediumId>,
+}
+
+/// What a medium does to light at a place, for one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Coefficients {
+    /// σt.
+    pub extinction: Spectrum,
+    /// σs.
+    pub scattering: Spectrum,
+}
+
+impl MediumInterface {
+    /// The medium that a path is in when it leaves a surface with the geometric normal `normal`
+    /// towards `direction`.
+    #[inline]
+    #[must_use]
+    pub fn towards(&self, normal: Vec3, direction: Vec3) -> Option<MediumId> {
+        if direction.dot(normal) > 0.0 { self.exterior } else { self.interior }
+    }
+}
+
+const ALBEDO: ParameterManual = parameter(
+    "albedo",
+    "float, spectrum or volume",
+    "0.75",
+    "The share of the extinction that is scattered.",
+);
+const SCALE: ParameterManual = parameter("scale", "float", "1", "A factor on the extinction.");
+const SAMPLE_EMITTERS: ParameterManual = parameter(
+    "sample_emitters",
+    "boolean",
+    "true",
+    "Whether places of scattering look for emitters; behind glass it is of no use.",
+);
+const PHASE: ParameterManual =
+    parameter("(nested)", "phase", "isotropic", "How the medium scatters light.");
+
+impl Medium {
+    /// What there is for light on its way from `site.wi`.
+    #[inline]
+    #[must_use]
+    pub fn coefficients(&self, site: &MediumInteraction) -> Coefficients {
+        let area = self.phase.projected_area(site);
+        let (extinction, albedo) = match &self.density {
+            Density::Homogeneous(medium) => (medium.extinction(), medium.albedo(site.point)),
+            Density::Heterogeneous(medium) => {
+                (medium.extinction(site.point), medium.albedo(site.point))
+            }
+        };
+        let extinction = extinction * area;
+        Coefficients { extinction, scattering: extinction * albedo }
+    }
+
+    /// Bytes of memory held beside the medium itself, but for its grids, which others may hold as
+    /// well.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        match &self.density {
+            Density::Homogeneous(_) => 0,
+            Density::Heterogeneous(medium) => medium.bounds_bytes(),
+        }
+    }
+
+    /// Adds the grids that the medium is made of.
+    pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
+        match &self.density {
+            Density::Homogeneous(medium) => {
+                grids.extend(medium.volumes().into_iter().filter_map(Volume::grid));
+            }
+            Density::Heterogeneous(medium) => {
+                grids.extend(medium.volumes().into_iter().filter_map(Volume::grid));
+            }
+        }
+        self.phase.collect_grids(grids);
+    }
+}
+
+/// What both kinds of media read alike.
+struct Common {
+    albedo: Volume,
+    scale: f32,
+    phase: PhaseFunction,
+    sample_emitters: bool,
+}
+
+/// The most that coefficients may be multiplied by.
+const MAX_SCALE: f64 = 1e18;
+
+impl Common {
+    fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Self> {
+        let albedo = builder.volume_or_color(parameters, "albedo", 0.75, SpectrumUse::Unbounded);
+        let scale = parameters.float_in("scale", 1.0, 0.0..=MAX_SCALE) as f32;
+        let sample_emitters = parameters.boolean("sample_emitters", true);
+        let phase = read_phase(builder, parameters);
+        let albedo = albedo?;
+        let [low, high] = albedo.range();
+        if low < 0.0 {
+            parameters.error(Fault::BadValue, "albedo", "the albedo is negative in places");
+            return None;
+        }
+        if high > 1.0 {
+            let message = "the albedo is above 1 in places: it is limited to 1";
+            parameters.warning(Fault::BadValue, "albedo", message);
+        }
+        Some(Self { albedo, scale, phase: phase?, sample_emitters })
+    }
+}
+
+/// The nested phase function, or the same in all directions.
+fn read_phase(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<PhaseFunction> {
+    let children = parameters.children_of(Class::Phase);
+    if let [_, second, ..] = children.as_slice() {
+        let message = "a medium has one phase function: this one is left out";
+        parameters.diagnostics().warning(Fault::BadValue, second.span, message);
+    }
+    match children.first() {
+        Some(child) => builder.phase(child.node),
+        None => Some(PhaseFunction::Isotropic),
+    }
+}
+
+/// The extinction, whose values have been checked; `None` after reporting what is wrong.
+fn read_extinction(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Volume> {
+    let volume = builder.volume_or_color(parameters, "sigma_t", 1.0, SpectrumUse::Unbounded)?;
+    if volume.range()[0] < 0.0 {
+        parameters.error(Fault::BadValue, "sigma_t", "the extinction is negative in places");
+        return None;
+    }
+    Some(volume)
+}

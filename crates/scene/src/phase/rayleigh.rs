@@ -1,0 +1,40 @@
+//! `rayleigh`: scattering by particles much smaller than the wavelength.
+
+use super::{MediumInteraction, PhaseFunction, PhaseSample, deflected};
+use crate::builder::Builder;
+use crate::manual::Manual;
+use etendue_document::Parameters;
+use glam::Vec2;
+use std::f32::consts::PI;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "Scatters light as particles much smaller than its wavelength do, such as the molecules \
+              of air; polarisation is left out.",
+    parameters: &[],
+    sample: r#"<phase type="rayleigh"/>"#,
+};
+
+/// Reads the parameters: there are none.
+#[must_use]
+pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<PhaseFunction> {
+    Some(PhaseFunction::Rayleigh)
+}
+
+/// The density of directions at a cosine of the scattering angle: 3 (1 + cos² θ) / 16π.
+#[inline]
+pub(super) fn eval(cosine: f32) -> f32 {
+    3.0 / (16.0 * PI) * (1.0 + cosine * cosine)
+}
+
+/// Chooses a direction by inverting the distribution of the cosine, a cubic in c = cos θ:
+/// c³ + 3 c = 4 (2 u − 1), by Cardano (Frisvad, "Importance sampling the Rayleigh phase function",
+/// *JOSA A* 28(12), 2011).
+#[inline]
+pub(super) fn sample(site: &MediumInteraction, direction: Vec2) -> PhaseSample {
+    let half = 2.0 * (2.0 * direction.x - 1.0);
+    // The root with the sum in it does not cancel; the other is −1 over it.
+    let root = (half.abs() + (half * half + 1.0).sqrt()).cbrt();
+    let cosine = (root - root.recip()).copysign(half).clamp(-1.0, 1.0);
+    PhaseSample { wo: deflected(site, cosine, direction.y), pdf: eval(cosine) }
+}

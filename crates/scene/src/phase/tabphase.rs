@@ -1,0 +1,96 @@
+//! `tabphase`: a phase function from a table.
+
+use super::{MediumInteraction, PhaseSample, deflected};
+use crate::builder::Builder;
+use crate::manual::{Manual, parameter};
+use etendue_document::{Fault, Parameters};
+use etendue_sampling::warp;
+use glam::Vec2;
+use std::f32::consts::TAU;
+
+/// The manual page.
+pub const MANUAL: Manual = Manual {
+    summary: "A phase function as a table over the cosine of the scattering angle: values at evenly \
+              spaced cosines from −1 (back) to 1 (straight on), linear in between, scaled so that \
+              they integrate to one.",
+    parameters: &[parameter(
+        "values",
+        "string",
+        "",
+        "Two values or more, separated by commas or spaces; required.",
+    )],
+    sample: r#"<phase type="tabphase"><string name="values" value="0.5, 1.0, 1.5"/></phase>"#,
+};
+
+/// A table over the cosine of the scattering angle.
+#[derive(Clone, Debug)]
+pub struct Tabulated {
+    /// Densities of the cosine at the ends of the intervals.
+    densities: Vec<f32>,
+    /// The share of everything below each end.
+    cumulative: Vec<f32>,
+}
+
+/// Reads the parameters.
+#[must_use]
+pub fn build(_builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Tabulated> {
+    let text = parameters.required_string("values")?;
+    let words = text.split([',', ' ', '\t', '\n', '\r']).filter(|word| !word.is_empty());
+    let mut values = Vec::new();
+    for word in words {
+        match word.parse::<f32>() {
+            Ok(value) if value.is_finite() && value >= 0.0 => values.push(value),
+            _ => {
+                let message = format!("`{word}` is no value of a phase function");
+                parameters.error(Fault::BadValue, "values", message);
+                return None;
+            }
+        }
+    }
+    let table = Tabulated::new(&values);
+    if table.is_none() {
+        let message = "a table has two values or more, and not all of them zero";
+        parameters.error(Fault::BadValue, "values", message);
+    }
+    table
+}
+
+impl Tabulated {
+    /// A table of values that are finite and not negative; `None` where there are less than two, or
+    /// nothing but zeros.
+    fn new(values: &[f32]) -> Option<Self> {
+        let step = 2.0 / (values.len().max(2) - 1) as f64;
+        let mut cumulative = vec![0.0];
+        for pair in values.windows(2) {
+            let area = 0.5 * step * (f64::from(pair[0]) + f64::from(pair[1]));
+            cumulative.push(cumulative[cumulative.len() - 1] + area);
+        }
+        let sum = cumulative[cumulative.len() - 1];
+        (sum > 0.0 && sum.is_finite()).then(|| Self {
+            densities: values.iter().map(|value| (f64::from(*value) / sum) as f32).collect(),
+            cumulative: cumulative.iter().map(|below| (below / sum) as f32).collect(),
+        })
+    }
+
+    /// The density of directions at a cosine of the scattering angle.
+    pub(super) fn eval(&self, cosine: f32) -> f32 {
+        let intervals = self.densities.len() - 1;
+        let place = 0.5 * (cosine.clamp(-1.0, 1.0) + 1.0) * intervals as f32;
+        let index = (place as usize).min(intervals - 1);
+        let share = place - index as f32;
+        let (low, high) = (self.densities[index], self.densities[index + 1]);
+        (low + share * (high - low)) / TAU
+    }
+
+    /// Chooses a direction by inverting the distribution of the cosine.
+    pub(super) fn sample(&self, site: &MediumInteraction, direction: Vec2) -> PhaseSample {
+        let intervals = self.densities.len() - 1;
+        let above = self.cumulative.partition_point(|below| *below <= direction.x);
+        let index = above.clamp(1, intervals) - 1;
+        let (below, end) = (self.cumulative[index], self.cumulative[index + 1]);
+        let rest = ((direction.x - below) / (end - below)).clamp(0.0, 1.0);
+        let share = warp::linear::sample(rest, self.densities[index], self.densities[index + 1]);
+        let cosine = (2.0 * (index as f32 + share) / intervals as f32 - 1.0).clamp(-1.0, 1.0);
+        PhaseSample { wo: deflected(site, cosine, direction.y), pdf: self.eval(cosine) }
+    }
+}

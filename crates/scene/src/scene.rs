@@ -1,0 +1,495 @@
+//! The frozen scene: immutable, flat, shared by all threads.
+
+mod statistics;
+
+pub use self::statistics::SceneStatistics;
+use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
+use crate::emitter::{Emitter, LaneEmitters};
+use crate::film::FilmSpec;
+use crate::ids::{EmitterId, InstanceId, MaterialId, MediumId, ShapeId};
+use crate::interaction::SurfaceInteraction;
+use crate::medium::{Medium, MediumInterface};
+use crate::sensor::Sensor;
+use crate::shape::instance::Instance;
+use crate::shape::mesh::Mesh;
+use crate::shape::shapegroup::Group;
+use crate::shape::{Geometry, Shape};
+use crate::texture::{Texture, Textures};
+use etendue_bvh::{
+    BuildOptions, Bvh, GeometryView, Hit, PrimitiveHit, Primitives, Tier, TriangleMeshView,
+};
+use etendue_document::{Diagnostics, Fault};
+use etendue_math::lanes::{Level, Real, baseline};
+use etendue_math::{Bounds3, Ray};
+use etendue_sampling::{AliasTable, SamplerSpec};
+use glam::Vec2;
+use std::sync::Arc;
+
+/// A camera with its film and its random numbers.
+#[derive(Clone, Debug)]
+pub struct SensorSetup {
+    /// The name that the scene file gives it.
+    pub id: Option<String>,
+    /// The camera.
+    pub sensor: Sensor,
+    /// What it records on.
+    pub film: FilmSpec,
+    /// Where its random numbers come from, and how many samples a pixel gets.
+    pub sampler: SamplerSpec,
+    /// The medium around it.
+    pub medium: Option<MediumId>,
+}
+
+/// What a scene is put together from.
+#[derive(Debug, Default)]
+pub(crate) struct Parts {
+    pub(crate) shapes: Vec<Shape>,
+    /// How many shapes, from the first, stand in the scene rather than in groups; all where `None`.
+    pub(crate) top_level_shapes: Option<usize>,
+    pub(crate) instances: Vec<Instance>,
+    pub(crate) groups: Vec<Group>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
+    pub(crate) emitters: Vec<Emitter>,
+    /// How often each emitter is sampled, relative to the others.
+    pub(crate) emitter_weights: Vec<f32>,
+    pub(crate) media: Vec<Medium>,
+    /// The shapes that media end at.
+    pub(crate) medium_interfaces: Vec<(ShapeId, MediumInterface)>,
+    pub(crate) sensors: Vec<SensorSetup>,
+    pub(crate) hash: [u8; 32],
+    /// The instructions that rays use, if not the fastest.
+    pub(crate) tier: Option<Tier>,
+}
+
+/// Everything that light meets.
+#[derive(Debug)]
+pub struct Scene {
+    bvh: Bvh,
+    level: Level,
+    shapes: Vec<Shape>,
+    /// How many shapes, from the first, stand in the scene rather than in groups.
+    top_level: usize,
+    instances: Vec<Instance>,
+    groups: Vec<Group>,
+    materials: Vec<Material>,
+    lane_materials: Vec<LaneMaterial>,
+    textures: Vec<Texture>,
+    emitters: Vec<Emitter>,
+    /// How emitters are chosen where they are not all alike.
+    emitter_table: Option<AliasTable>,
+    /// What several paths at once can sample of the emitters.
+    lamps: LaneEmitters,
+    environments: Vec<EmitterId>,
+    media: Vec<Medium>,
+    /// What media end at each shape; empty where no shape has any.
+    medium_interfaces: Vec<Option<MediumInterface>>,
+    sensors: Vec<SensorSetup>,
+    hash: [u8; 32],
+}
+
+/// A light chosen for next-event estimation.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterChoice {
+    /// Which.
+    pub emitter: EmitterId,
+    /// The probability of having chosen it.
+    pub probability: f32,
+}
+
+/// The tree over shapes, and after them instances, which place `groups`.
+pub(crate) fn build_tree(
+    shapes: &[Shape],
+    (instances, groups): (&[Instance], &[Group]),
+    tier: Option<Tier>,
+) -> Result<Bvh, String> {
+    let boxes: Vec<Vec<Bounds3>> =
+        shapes.iter().map(|shape| shape.geometry.primitive_boxes()).collect();
+    let views: Vec<GeometryView<'_>> = shapes
+        .iter()
+        .zip(&boxes)
+        .map(|(shape, boxes)| match &shape.geometry {
+            Geometry::Mesh(mesh) => GeometryView::Triangles(TriangleMeshView {
+                positions: mesh.positions(),
+                indices: mesh.triangles(),
+            }),
+            _ => GeometryView::User(boxes),
+        })
+        .chain(instances.iter().map(|instance| GeometryView::Instance {
+            group: Arc::clone(&groups[instance.group.index()].bvh),
+            to_world: instance.to_world().affine(),
+        }))
+        .collect();
+    let bvh = Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())?;
+    Ok(match tier {
+        Some(tier) => bvh.with_tier(tier),
+        None => bvh,
+    })
+}
+
+/// The instructions for shading that belong to those for rays.
+fn level(tier: Tier) -> Level {
+    let best = Level::new();
+    match tier {
+        Tier::Portable => baseline(),
+        #[cfg(target_arch = "x86_64")]
+        Tier::Avx2 => best.as_avx2().map_or(best, Level::Avx2),
+        _ => best,
+    }
+}
+
+/// The table of emitters; `None` where all are alike.
+fn emitter_table(weights: &[f32], diagnostics: &Diagnostics) -> Option<AliasTable> {
+    if weights.windows(2).all(|pair| pair[0] == pair[1]) {
+        return None;
+    }
+    let table = AliasTable::new(weights).ok();
+    if table.is_none() {
+        let message = "the sampling weights of the emitters cannot be summed: all count alike";
+        diagnostics.warning(Fault::BadValue, None, message);
+    }
+    table
+}
+
+#[cold]
+fn choose_by_weight(table: &AliasTable, random: &mut f32) -> EmitterChoice {
+    let chosen = table.sample(*random);
+    *random = chosen.rest.min(1.0 - f32::EPSILON);
+    EmitterChoice { emitter: EmitterId(chosen.index as u32), probability: table.pmf(chosen.index) }
+}
+
+/// One of `count` indices by a number in [0, 1), and what is left of the number.
+#[inline(always)]
+pub(crate) fn choose_evenly<R: Real>(random: R, count: usize) -> (R, R) {
+    let scaled = random * count as f32;
+    let index = scaled.floor().min(random.like((count - 1) as f32));
+    (index, (scaled - index).min(random.like(1.0 - f32::EPSILON)))
+}
+
+impl Scene {
+    pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
+        let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
+        let placed = (parts.instances.as_slice(), parts.groups.as_slice());
+        let bvh = match build_tree(&parts.shapes[..top_level], placed, parts.tier) {
+            Ok(bvh) => bvh,
+            Err(problem) => {
+                diagnostics.error(Fault::Geometry, None, problem);
+                return None;
+            }
+        };
+        let environments = (0_u32..)
+            .zip(&parts.emitters)
+            .filter(|(_, emitter)| emitter.is_environment())
+            .map(|(index, _)| EmitterId(index))
+            .collect();
+        let mut medium_interfaces = Vec::new();
+        for (shape, medium_interface) in parts.medium_interfaces {
+            medium_interfaces.resize(parts.shapes.len(), None);
+            medium_interfaces[shape.index()] = Some(medium_interface);
+        }
+        let mut sensors = parts.sensors;
+        let bounds = bvh.bounds();
+        sensors.iter_mut().for_each(|setup| setup.sensor.set_bounds(&bounds));
+        Some(Self {
+            level: level(bvh.tier()),
+            bvh,
+            lamps: LaneEmitters::new(&parts.emitters, &parts.shapes),
+            shapes: parts.shapes,
+            top_level,
+            instances: parts.instances,
+            groups: parts.groups,
+            lane_materials: LaneMaterial::of_all(&parts.materials),
+            materials: parts.materials,
+            textures: parts.textures,
+            emitter_table: emitter_table(&parts.emitter_weights, diagnostics),
+            emitters: parts.emitters,
+            environments,
+            media: parts.media,
+            medium_interfaces,
+            sensors,
+            hash: parts.hash,
+        })
+    }
+
+    /// The instructions that paths are followed with.
+    #[inline]
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// What `ray` hits first.
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<SurfaceInteraction> {
+        let hit = self.closest_hit(ray)?;
+        Some(self.interaction(ray, &hit))
+    }
+
+    /// Where `ray` hits first, in the tree's terms: for [`Self::interaction`].
+    #[inline(always)]
+    #[must_use]
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.bvh.intersect(ray, self)
+    }
+
+    /// As [`Self::closest_hit`] for many rays; the hits are appended to `hits`.
+    pub fn closest_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        self.bvh.intersect_many(rays, self, hits);
+    }
+
+    /// Everything that is known where `ray` has met the scene.
+    #[inline(always)]
+    #[must_use]
+    pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        if hit.instance != Hit::NO_INSTANCE {
+            return self.instance_interaction(ray, hit);
+        }
+        let id = ShapeId(hit.geometry);
+        self.shapes[id.index()].interaction(id, ray, hit)
+    }
+
+    /// What kind of material a hit has met, and which, if its vertex can be shaded in lanes: on a
+    /// triangle that stands in the scene itself.
+    #[inline(always)]
+    #[must_use]
+    pub fn lane_kind(&self, hit: &Hit) -> Option<(LaneKind, MaterialId)> {
+        if hit.instance != Hit::NO_INSTANCE {
+            return None;
+        }
+        let shape = &self.shapes[hit.geometry as usize];
+        if !matches!(shape.geometry, Geometry::Mesh(_)) {
+            return None;
+        }
+        let kind = self.materials().lane_kind(shape.material)?;
+        Some((kind, shape.material))
+    }
+
+    #[cold]
+    fn instance_interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        let placed = InstanceId(hit.instance - self.top_level as u32);
+        let instance = &self.instances[placed.index()];
+        let group = &self.groups[instance.group.index()];
+        let id = ShapeId(group.first_shape.0 + hit.geometry);
+        let local_ray = instance.to_world().inverse().ray(ray);
+        let local = self.shapes[id.index()].interaction(id, &local_ray, hit);
+        SurfaceInteraction { instance: Some(placed), ..instance.place(local, ray.direction) }
+    }
+
+    /// Whether anything lies on `ray`.
+    #[inline(always)]
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.bvh.occluded(ray, self)
+    }
+
+    /// As [`Self::occluded`] for many rays; the answers are appended to `occluded`.
+    pub fn occluded_many(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        self.bvh.occluded_many(rays, self, occluded);
+    }
+
+    /// The material of a hit, resolved: reads its textures.
+    #[inline(always)]
+    #[must_use]
+    pub fn prepare_bsdf(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
+        self.materials().prepare(self.shape(surface.shape).material, self.textures(), surface)
+    }
+
+    /// Whether sampled light can be reflected at a hit: not where the material is a mirror, smooth
+    /// glass or nothing at all. What the answer leaves open, [`Bsdf::has_smooth_lobe`] decides.
+    #[inline(always)]
+    #[must_use]
+    pub fn may_reflect_emitters(&self, surface: &SurfaceInteraction) -> bool {
+        !self.materials[self.shape(surface.shape).material.index()].is_delta()
+    }
+
+    /// A shape.
+    #[inline]
+    #[must_use]
+    pub fn shape(&self, id: ShapeId) -> &Shape {
+        &self.shapes[id.index()]
+    }
+
+    /// All materials.
+    #[inline]
+    #[must_use]
+    pub fn materials(&self) -> Materials<'_> {
+        Materials { materials: &self.materials, lanes: &self.lane_materials }
+    }
+
+    /// All textures.
+    #[inline]
+    #[must_use]
+    pub fn textures(&self) -> Textures<'_> {
+        Textures(&self.textures)
+    }
+
+    /// How many emitters there are.
+    #[inline]
+    #[must_use]
+    pub fn emitter_count(&self) -> usize {
+        self.emitters.len()
+    }
+
+    /// An emitter.
+    #[inline]
+    #[must_use]
+    pub fn emitter(&self, id: EmitterId) -> &Emitter {
+        &self.emitters[id.index()]
+    }
+
+    /// All emitters.
+    pub(crate) fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
+    /// How emitters are chosen where they are not all alike.
+    pub(crate) fn emitter_table(&self) -> Option<&AliasTable> {
+        self.emitter_table.as_ref()
+    }
+
+    /// What several paths at once can sample of the emitters.
+    pub(crate) fn lamps(&self) -> &LaneEmitters {
+        &self.lamps
+    }
+
+    /// The emitter of the shape that was hit.
+    #[inline]
+    #[must_use]
+    pub fn emitter_of(&self, surface: &SurfaceInteraction) -> Option<EmitterId> {
+        self.shapes[surface.shape.index()].emitter
+    }
+
+    /// The emitters that rays find when they leave the scene.
+    #[inline]
+    #[must_use]
+    pub fn environments(&self) -> &[EmitterId] {
+        &self.environments
+    }
+
+    /// Chooses an emitter, all alike unless they say otherwise; the random number is stretched for use again.
+    #[inline(always)]
+    #[must_use]
+    pub fn choose_emitter(&self, random: &mut f32) -> Option<EmitterChoice> {
+        let count = self.emitters.len();
+        if count == 0 {
+            return None;
+        }
+        if let Some(table) = &self.emitter_table {
+            return Some(choose_by_weight(table, random));
+        }
+        let (index, rest) = choose_evenly(*random, count);
+        *random = rest;
+        let index = (index as usize).min(count - 1);
+        Some(EmitterChoice { emitter: EmitterId(index as u32), probability: 1.0 / count as f32 })
+    }
+
+    /// The probability with which [`Self::choose_emitter`] chooses `emitter`.
+    #[inline]
+    #[must_use]
+    pub fn emitter_probability(&self, emitter: EmitterId) -> f32 {
+        debug_assert!(emitter.index() < self.emitters.len());
+        match &self.emitter_table {
+            Some(table) => table.pmf(emitter.index()),
+            None => 1.0 / self.emitters.len() as f32,
+        }
+    }
+
+    /// A medium.
+    #[inline]
+    #[must_use]
+    pub fn medium(&self, id: MediumId) -> &Medium {
+        &self.media[id.index()]
+    }
+
+    /// The media on both sides of the shape that was hit, if media end there.
+    #[inline]
+    #[must_use]
+    pub fn medium_interface(&self, surface: &SurfaceInteraction) -> Option<MediumInterface> {
+        *self.medium_interfaces.get(surface.shape.index())?
+    }
+
+    /// The cameras, in the order of the file.
+    #[must_use]
+    pub fn sensors(&self) -> &[SensorSetup] {
+        &self.sensors
+    }
+
+    /// The triangle meshes that stand in the scene; those within groups are left out.
+    pub fn meshes(&self) -> impl Iterator<Item = &Mesh> {
+        self.shapes[..self.top_level].iter().filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => Some(mesh),
+            _ => None,
+        })
+    }
+
+    /// The box around everything.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        self.bvh.bounds()
+    }
+
+    /// The hash of everything that the scene was built from: its texts and all files they name.
+    #[must_use]
+    pub fn content_hash(&self) -> [u8; 32] {
+        self.hash
+    }
+
+    /// The nearest hit with one of the analytic shapes.
+    fn intersect_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let (t, local) = match &self.shapes[id.index()].geometry {
+            Geometry::Sphere(sphere) => (sphere.intersect(ray)?, Vec2::ZERO),
+            Geometry::Disk(disk) => disk.intersect(ray)?,
+            Geometry::Cylinder(cylinder) => cylinder.intersect(ray)?,
+            Geometry::RevSurface(surface) => surface.intersect(ray)?,
+            Geometry::LinearCurve(curve) => (curve.intersect(primitive, ray)?, Vec2::ZERO),
+            Geometry::BSplineCurve(curve) => {
+                let (t, s) = curve.intersect(primitive, ray)?;
+                (t, Vec2::new(s, 0.0))
+            }
+            Geometry::SdfGrid(grid) => (grid.intersect(primitive, ray)?, Vec2::ZERO),
+            Geometry::Ellipsoids(cloud) => (cloud.intersect(primitive, ray)?, Vec2::ZERO),
+            Geometry::EllipsoidsMesh(cloud) => cloud.intersect(primitive, ray)?,
+            Geometry::Mesh(_) => return None,
+        };
+        Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+
+    /// The shape that the tree calls `geometry` within the group of `instance`.
+    fn grouped_shape(&self, instance: u32, geometry: u32) -> ShapeId {
+        let instance = &self.instances[instance as usize - self.top_level];
+        ShapeId(self.groups[instance.group.index()].first_shape.0 + geometry)
+    }
+
+    /// Whether one of the analytic shapes is in the way.
+    fn occludes_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> bool {
+        match &self.shapes[id.index()].geometry {
+            Geometry::RevSurface(surface) => surface.occludes(ray),
+            _ => self.intersect_shape(id, primitive, ray).is_some(),
+        }
+    }
+}
+
+impl Primitives for Scene {
+    fn intersect(&self, geometry: u32, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        self.intersect_shape(ShapeId(geometry), primitive, ray)
+    }
+
+    fn occludes(&self, geometry: u32, primitive: u32, ray: &Ray) -> bool {
+        self.occludes_shape(ShapeId(geometry), primitive, ray)
+    }
+
+    fn intersect_in(
+        &self,
+        instance: u32,
+        geometry: u32,
+        primitive: u32,
+        ray: &Ray,
+    ) -> Option<PrimitiveHit> {
+        self.intersect_shape(self.grouped_shape(instance, geometry), primitive, ray)
+    }
+
+    fn occludes_in(&self, instance: u32, geometry: u32, primitive: u32, ray: &Ray) -> bool {
+        self.occludes_shape(self.grouped_shape(instance, geometry), primitive, ray)
+    }
+}

@@ -1,0 +1,358 @@
+//! Triangle meshes: what `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface` become.
+
+mod light;
+mod parallelogram;
+mod picture;
+mod triangle;
+
+pub use light::{LightPoint, LightPointBatch};
+pub use parallelogram::{Parallelogram, ParallelogramBatch};
+pub use picture::Glow;
+pub use triangle::TriangleBatch;
+
+use super::{ShapeSample, SurfacePoint};
+use crate::interaction::SurfaceInteraction;
+use etendue_document::Parameters;
+use etendue_math::lanes::{Vector2, Vector3};
+use etendue_math::{Bounds3, Transform, rounding_error_bound};
+use etendue_mesh::{Attribute, MeshError, TriangleMesh};
+use etendue_sampling::{AliasTable, warp};
+use glam::{Vec2, Vec3};
+use parallelogram::{Coordinates, MappedParallelogram};
+use triangle::{Corners, Place, TrianglePoint, weights};
+
+/// A mesh placed in the world, with what sampling points on it needs.
+///
+/// Tried and lost: position, normal and coordinates of a vertex side by side in 32 bytes. Neighbouring
+/// hits share lines of the separate arrays more often than one hit needs all three of them: renders
+/// were 3 to 10 % slower.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    positions: Vec<Vec3>,
+    /// Per vertex, unit; empty where the mesh is faceted.
+    normals: Vec<Vec3>,
+    /// Per vertex; empty where there are none.
+    uvs: Vec<Vec2>,
+    indices: Vec<[u32; 3]>,
+    attributes: Vec<Attribute>,
+    /// 1 where the front of a triangle shows its vertices counterclockwise, −1 where clockwise.
+    orientation: f32,
+    area: f32,
+    /// Only of meshes that emit light: how points are chosen.
+    sampling: Option<AreaSampling>,
+}
+
+/// Roundings in series between the vertices and the distance at which the tree's triangle test says
+/// they are met: translation, shear and projection, products, sums, and the division.
+const INTERSECTION_ROUNDINGS: u32 = 12;
+
+/// How points are chosen: uniform in area but for those of pictures.
+#[derive(Clone, Debug)]
+enum AreaSampling {
+    /// A triangle by its area, then a point in it.
+    Triangles(AliasTable),
+    /// The two triangles are a flat parallelogram: one smooth map, which keeps well-spread random
+    /// numbers well spread, and needs no vertices.
+    Parallelogram(MappedParallelogram),
+    /// A parallelogram that shows a picture.
+    Slide(Box<picture::Slide>),
+    /// Any mesh that shows a picture.
+    Mosaic(picture::Mosaic),
+}
+
+/// What the parameters common to all meshes ask for.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshOptions {
+    /// Where the mesh stands.
+    pub to_world: Transform,
+    /// Ignore vertex normals.
+    pub face_normals: bool,
+    /// Turn front and back around.
+    pub flip_normals: bool,
+    /// Edges sharper than this many degrees get separate normals on their two sides.
+    pub max_smooth_angle: Option<f32>,
+    /// Whether a mesh without normals gets smooth ones.
+    pub compute_normals: bool,
+}
+
+impl MeshOptions {
+    /// A placement and an orientation, for meshes that bring their own normals.
+    #[must_use]
+    pub fn placement(to_world: Transform, flip_normals: bool) -> Self {
+        Self {
+            to_world,
+            face_normals: false,
+            flip_normals,
+            max_smooth_angle: None,
+            compute_normals: false,
+        }
+    }
+
+    /// Reads the parameters; `None` after reporting a transform that has no inverse.
+    #[must_use]
+    pub fn read(parameters: &Parameters<'_>) -> Option<Self> {
+        let face_normals = parameters.boolean("face_normals", false);
+        let flip_normals = parameters.boolean("flip_normals", false);
+        let max_smooth_angle =
+            parameters.optional_float("max_smooth_angle").map(|angle| angle as f32);
+        let to_world = crate::builder::read_transform(parameters, "to_world")?;
+        let compute_normals = !face_normals;
+        Some(Self { to_world, face_normals, flip_normals, max_smooth_angle, compute_normals })
+    }
+}
+
+impl Mesh {
+    /// Places a mesh in the world.
+    ///
+    /// Where the file has normals they decide what is front, and a mirrored mesh keeps its front
+    /// outside. Where they are computed, the winding in the world decides, as in Mitsuba: a mirrored
+    /// mesh then has its front inside.
+    ///
+    /// # Errors
+    /// If separating the sides of sharp edges makes more vertices than can be counted.
+    pub fn new(mut mesh: TriangleMesh, options: &MeshOptions) -> Result<Self, MeshError> {
+        if options.face_normals {
+            mesh.normals = Vec::new();
+        }
+        let to_world = &options.to_world;
+        let mirrored = to_world.flips_handedness() && !mesh.normals.is_empty();
+        if *to_world != Transform::IDENTITY {
+            mesh.positions.iter_mut().for_each(|position| *position = to_world.point(*position));
+            mesh.normals.iter_mut().for_each(|normal| *normal = to_world.normal(*normal));
+        }
+        if let (Some(angle), false) = (options.max_smooth_angle, options.face_normals) {
+            mesh.split_sharp_edges(angle)?;
+        } else if options.compute_normals && mesh.normals.is_empty() {
+            mesh.compute_vertex_normals();
+        }
+        let sign = if options.flip_normals { -1.0 } else { 1.0 };
+        for normal in &mut mesh.normals {
+            *normal = normal.normalize_or_zero() * sign;
+        }
+        let mut placed = Self {
+            orientation: if mirrored { -sign } else { sign },
+            positions: mesh.positions,
+            normals: mesh.normals,
+            uvs: mesh.uvs,
+            indices: mesh.indices,
+            attributes: mesh.attributes,
+            area: 0.0,
+            sampling: None,
+        };
+        placed.area = placed.triangle_areas().map(f64::from).sum::<f64>() as f32;
+        Ok(placed)
+    }
+
+    /// Makes the mesh ready to be a light.
+    pub fn prepare_sampling(&mut self) {
+        self.sampling = self.flat_sheet().map(AreaSampling::Parallelogram).or_else(|| {
+            let areas: Vec<f32> = self.triangle_areas().collect();
+            AliasTable::new(&areas).ok().map(AreaSampling::Triangles)
+        });
+    }
+
+    /// Makes points of a light that shows a picture follow it, once the mesh is ready to be a light.
+    pub fn follow(&mut self, glow: Glow<'_>) {
+        let following = match self.flat_sheet() {
+            Some(sheet) => {
+                picture::Slide::new(sheet, glow).map(|slide| AreaSampling::Slide(Box::new(slide)))
+            }
+            None => picture::Mosaic::new(self, glow).map(AreaSampling::Mosaic),
+        };
+        self.sampling = following.or(self.sampling.take());
+    }
+
+    /// The density per area with which [`Self::sample_area`] chooses a point of the surface.
+    #[inline]
+    #[must_use]
+    pub fn pdf_area(&self, surface: &SurfaceInteraction) -> f32 {
+        match &self.sampling {
+            Some(AreaSampling::Slide(slide)) => slide.pdf(surface.uv),
+            Some(AreaSampling::Mosaic(mosaic)) => mosaic.pdf(surface.primitive),
+            _ => 1.0 / self.area,
+        }
+    }
+
+    /// The mesh as a parallelogram (a, b, c, d), if it is two triangles (a, b, c) and (a, c, d) of
+    /// one, with the same normal and affine coordinates all over.
+    fn flat_sheet(&self) -> Option<MappedParallelogram> {
+        let &[[a, b, c], [a_again, c_again, d]] = self.indices.as_slice() else { return None };
+        let vertices = [a, b, c, d].map(|vertex| vertex as usize);
+        let corners = vertices.map(|vertex| self.positions[vertex]);
+        let uvs = vertices.map(|vertex| self.uvs.get(vertex).copied().unwrap_or_default());
+        let same_normal = self.normals.windows(2).all(|pair| pair[0].dot(pair[1]) > 1.0 - 1e-6);
+        let size = (corners[2] - corners[0]).abs().max_element();
+        let skew = (corners[0] + corners[2] - corners[1] - corners[3]).abs().max_element();
+        let skew_uv = (uvs[0] + uvs[2] - uvs[1] - uvs[3]).abs().max_element();
+        if (a, c) != (a_again, c_again) || !same_normal || skew > 1e-5 * size || skew_uv > 1e-5 {
+            return None;
+        }
+        let middle = self.light_point(0, Vec2::new(0.0, 0.5));
+        let magnitude = corners.iter().fold(Vec3::ZERO, |sum, corner| sum.max(corner.abs()));
+        let reach = Vec3::splat(size * rounding_error_bound(INTERSECTION_ROUNDINGS));
+        let shape = Parallelogram {
+            corner: corners[0].into(),
+            edges: [(corners[1] - corners[0]).into(), (corners[3] - corners[0]).into()],
+            error: (magnitude * rounding_error_bound(16) + reach).into(),
+            normal: middle.normal.into(),
+            shading_normal: middle.shading_normal.into(),
+            pdf: middle.pdf,
+        };
+        let edges = [uvs[1] - uvs[0], uvs[3] - uvs[0]];
+        Some(MappedParallelogram { shape, uv: Coordinates { corner: uvs[0], edges } })
+    }
+
+    fn triangle_areas(&self) -> impl Iterator<Item = f32> + '_ {
+        (0..self.indices.len()).map(|triangle| {
+            let [a, b, c] = self.corners(triangle);
+            0.5 * (b - a).cross(c - a).length()
+        })
+    }
+
+    #[inline]
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.indices[triangle].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// The vertices' positions.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// The vertices of each triangle.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.indices
+    }
+
+    /// Further quantities that vary over the mesh.
+    #[must_use]
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+
+    /// Drops the attributes that are not wanted.
+    pub(crate) fn retain_attributes(&mut self, wanted: impl Fn(&Attribute) -> bool) {
+        self.attributes.retain(wanted);
+        self.attributes.shrink_to_fit();
+    }
+
+    /// The box around the mesh.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        Bounds3::from_points(self.positions.iter().copied())
+    }
+
+    /// The sum of the triangles' areas.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// Bytes of memory held.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.positions.as_slice())
+            + size_of_val(self.normals.as_slice())
+            + size_of_val(self.uvs.as_slice())
+            + size_of_val(self.indices.as_slice())
+            + self.attributes.iter().map(|a| size_of_val(a.values.as_slice())).sum::<usize>()
+    }
+
+    /// The surface at barycentric coordinates `barycentric` of the second and third vertex.
+    #[inline(always)]
+    #[must_use]
+    pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
+        let vertices = self.indices[triangle as usize].map(|vertex| vertex as usize);
+        let mapped = !self.uvs.is_empty();
+        let none = [Vector2::from(Vec2::ZERO); 3];
+        let uvs = if mapped { vertices.map(|v| self.uvs[v].into()) } else { none };
+        let point = TrianglePoint::<f32> {
+            corners: self.corners_at(vertices),
+            barycentric: barycentric.into(),
+            uvs: (mapped, uvs),
+        };
+        point.surface().into()
+    }
+
+    #[inline(always)]
+    fn corners_at(&self, vertices: [usize; 3]) -> Corners<f32> {
+        let smooth = !self.normals.is_empty();
+        let none = [Vector3::from(Vec3::ZERO); 3];
+        let normals = if smooth { vertices.map(|v| self.normals[v].into()) } else { none };
+        Corners {
+            positions: vertices.map(|vertex| self.positions[vertex].into()),
+            orientation: self.orientation,
+            normals: (smooth, normals),
+        }
+    }
+
+    /// A point, uniform in area unless it follows a picture; `None` where the mesh has none or was not made ready.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        match self.sampling.as_ref()? {
+            AreaSampling::Parallelogram(sheet) => Some(sheet.sample(random)),
+            AreaSampling::Slide(slide) => Some(slide.sample(random)),
+            AreaSampling::Mosaic(mosaic) => Some(mosaic.sample(self, random)),
+            AreaSampling::Triangles(table) => {
+                let (triangle, rest) = choose_triangle(table, random);
+                Some(self.light_point(triangle, warp::uniform_triangle::sample(rest)))
+            }
+        }
+    }
+
+    /// As [`Self::sample_area`] where the mesh is a flat parallelogram without a picture.
+    #[inline(always)]
+    pub(super) fn sample_parallelogram(&self, random: Vec2) -> Option<ShapeSample> {
+        match &self.sampling {
+            Some(AreaSampling::Parallelogram(sheet)) => Some(sheet.sample(random)),
+            _ => None,
+        }
+    }
+
+    /// The mesh as a flat parallelogram from which [`Self::sample_area`] takes points evenly.
+    #[must_use]
+    pub fn parallelogram(&self) -> Option<&Parallelogram<f32>> {
+        match &self.sampling {
+            Some(AreaSampling::Parallelogram(sheet)) => Some(&sheet.shape),
+            _ => None,
+        }
+    }
+
+    /// What a light needs of [`Self::surface_point`]: no tangents.
+    #[inline(always)]
+    fn light_point(&self, triangle: usize, barycentric: Vec2) -> ShapeSample {
+        let vertices = self.indices[triangle].map(|vertex| vertex as usize);
+        let place = self.corners_at(vertices).place(barycentric.into());
+        let Place { point, error, normal, shading_normal } = place;
+        let uv = if self.uvs.is_empty() {
+            barycentric
+        } else {
+            let weights = weights(barycentric.into());
+            let [a, b, c] = vertices.map(|vertex| self.uvs[vertex]);
+            a * weights[0] + b * weights[1] + c * weights[2]
+        };
+        ShapeSample {
+            point: point.into(),
+            error: error.into(),
+            normal: normal.into(),
+            shading_normal: shading_normal.into(),
+            uv,
+            pdf: 1.0 / self.area,
+        }
+    }
+}
+
+/// Chooses a triangle, and gives what is left of the two numbers. The bits of one number do for a
+/// few thousand triangles; for more, the upper half of the other one's are needed too.
+#[inline]
+fn choose_triangle(table: &AliasTable, random: Vec2) -> (usize, Vec2) {
+    let (choice, y) = if table.len() <= 4096 {
+        (table.sample(random.x), random.y)
+    } else {
+        (table.sample_2d(random), (random.y * 4096.0).fract())
+    };
+    (choice.index, Vec2::new(choice.rest, y))
+}

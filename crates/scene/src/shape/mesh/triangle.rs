@@ -1,0 +1,257 @@
+//! Points of triangles, one or several at once.
+
+use super::{INTERSECTION_ROUNDINGS, Mesh};
+use crate::interaction::SurfaceLanes;
+use crate::shape::SurfacePoint;
+use etendue_bvh::Hit;
+use etendue_math::lanes::{Frame3, LaneArray, LaneMask, Lanes, Mask, Real, Simd, Vector2, Vector3};
+use etendue_math::rounding_error_bound;
+use glam::Vec3;
+
+/// The corners of a triangle.
+pub(super) struct Corners<R: Real> {
+    pub(super) positions: [Vector3<R>; 3],
+    /// 1 where the front shows the corners counterclockwise, −1 where clockwise.
+    pub(super) orientation: R,
+    /// Whether the corners have normals, and these.
+    pub(super) normals: (R::Mask, [Vector3<R>; 3]),
+}
+
+/// Where a point of a triangle is, and how the surface stands there.
+pub(super) struct Place<R> {
+    pub(super) point: Vector3<R>,
+    pub(super) error: Vector3<R>,
+    pub(super) normal: Vector3<R>,
+    pub(super) shading_normal: Vector3<R>,
+}
+
+/// A point of a triangle, with what the mesh knows of its corners.
+pub(super) struct TrianglePoint<R: Real> {
+    pub(super) corners: Corners<R>,
+    /// Barycentric coordinates of the second and third corner.
+    pub(super) barycentric: Vector2<R>,
+    /// Whether the corners have surface coordinates, and these.
+    pub(super) uvs: (R::Mask, [Vector2<R>; 3]),
+}
+
+/// Where on a triangle a ray arrives; see [`SurfacePoint`].
+pub(super) struct TriangleSurface<R> {
+    point: Vector3<R>,
+    error: Vector3<R>,
+    normal: Vector3<R>,
+    shading_normal: Vector3<R>,
+    uv: Vector2<R>,
+    dp_du: Vector3<R>,
+    dp_dv: Vector3<R>,
+}
+
+/// Surface coordinates, and the position's derivatives by them.
+struct Parametrization<R: Real> {
+    uv: Vector2<R>,
+    /// Whether the derivatives are independent and finite.
+    regular: R::Mask,
+    dp_du: Vector3<R>,
+    dp_dv: Vector3<R>,
+}
+
+/// The weights of the corners at barycentric coordinates of the second and the third.
+#[inline(always)]
+pub(super) fn weights<R: Real>(barycentric: Vector2<R>) -> [R; 3] {
+    let Vector2 { x, y } = barycentric;
+    [-x + 1.0 - y, x, y]
+}
+
+impl<R: Real> Corners<R> {
+    /// The point with the given barycentric coordinates.
+    #[inline(always)]
+    pub(super) fn place(&self, barycentric: Vector2<R>) -> Place<R> {
+        let weights = weights(barycentric);
+        let (point, error) = interpolate(self.positions, weights);
+        let edges = self.edges();
+        let (zero, one) = (point.x.zero(), point.x.like(1.0));
+        let up = Vector3::new(zero, zero, one);
+        let normal = edges[0].cross(edges[1]).normalize_or(up) * self.orientation;
+        Place { point, error, normal, shading_normal: self.shading_normal(weights, normal) }
+    }
+
+    /// From the first corner to the others.
+    #[inline(always)]
+    fn edges(&self) -> [Vector3<R>; 2] {
+        let [a, b, c] = self.positions;
+        [b - a, c - a]
+    }
+
+    #[inline(always)]
+    fn shading_normal(&self, weights: [R; 3], normal: Vector3<R>) -> Vector3<R> {
+        let (smooth, [a, b, c]) = self.normals;
+        if !smooth.any() {
+            return normal;
+        }
+        let (unit, exists) = (a * weights[0] + b * weights[1] + c * weights[2]).try_normalize();
+        Vector3::select(smooth & exists, unit, normal)
+    }
+}
+
+impl<R: Real> TrianglePoint<R> {
+    #[inline(always)]
+    pub(super) fn surface(&self) -> TriangleSurface<R> {
+        let Place { point, error, normal, shading_normal } = self.corners.place(self.barycentric);
+        let edges = self.corners.edges();
+        let Parametrization { uv, regular, dp_du, dp_dv } = self.parametrization(edges);
+        let (dp_du, dp_dv) = if regular.all() {
+            (dp_du, dp_dv)
+        } else {
+            let any = Frame3::from_normal(normal);
+            (Vector3::select(regular, dp_du, any.s), Vector3::select(regular, dp_dv, any.t))
+        };
+        TriangleSurface { point, error, normal, shading_normal, uv, dp_du, dp_dv }
+    }
+
+    #[inline(always)]
+    fn parametrization(&self, edges: [Vector3<R>; 2]) -> Parametrization<R> {
+        let (mapped, [a, b, c]) = self.uvs;
+        if !mapped.any() {
+            let [dp_du, dp_dv] = edges;
+            return Parametrization { uv: self.barycentric, regular: mapped, dp_du, dp_dv };
+        }
+        let (uv_1, uv_2) = (b - a, c - a);
+        let uv = a + uv_1 * self.barycentric.x + uv_2 * self.barycentric.y;
+        let determinant = uv_1.x * uv_2.y - uv_1.y * uv_2.x;
+        let inverse = determinant.reciprocal();
+        let dp_du = (edges[0] * uv_2.y - edges[1] * uv_1.y) * inverse;
+        let dp_dv = (edges[1] * uv_1.x - edges[0] * uv_2.x) * inverse;
+        // Not finite where the determinant is zero, too.
+        let regular = mapped & inverse.is_finite() & dp_du.is_finite() & dp_dv.is_finite();
+        let uv = Vector2::select(mapped, uv, self.barycentric);
+        Parametrization { uv, regular, dp_du, dp_dv }
+    }
+}
+
+/// The point of a triangle with barycentric coordinates `weights`, and a bound of its error.
+///
+/// The bound is that of interpolating three vertices by weights that sum to one: γ₇ times the sum of
+/// the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5). To it comes what the
+/// intersection test itself can be wrong by: it works on the vertices as seen from the ray's origin,
+/// and its distance to the plane is rounded in proportion to how far they are. Without this a ray
+/// leaving a floor in the plane y = 0, where the first bound vanishes, hits the floor again.
+#[inline(always)]
+fn interpolate<R: Real>([a, b, c]: [Vector3<R>; 3], weights: [R; 3]) -> (Vector3<R>, Vector3<R>) {
+    let terms = [a * weights[0], b * weights[1], c * weights[2]];
+    let magnitude = terms[0].abs() + terms[1].abs() + terms[2].abs();
+    let reach = (b - a).abs().max((c - a).abs()).max_element()
+        * rounding_error_bound(INTERSECTION_ROUNDINGS);
+    let error = magnitude.map(|term| term * rounding_error_bound(7) + reach);
+    (terms[0] + terms[1] + terms[2], error)
+}
+
+impl From<TriangleSurface<f32>> for SurfacePoint {
+    #[inline(always)]
+    fn from(surface: TriangleSurface<f32>) -> Self {
+        Self {
+            point: surface.point.into(),
+            error: surface.error.into(),
+            normal: surface.normal.into(),
+            shading_normal: surface.shading_normal.into(),
+            uv: surface.uv.into(),
+            dp_du: surface.dp_du.into(),
+            dp_dv: surface.dp_dv.into(),
+        }
+    }
+}
+
+/// The corners of triangles, one for each lane, side by side in memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CornerBatch {
+    positions: [[LaneArray; 3]; 3],
+    normals: [[LaneArray; 3]; 3],
+    orientation: LaneArray,
+    /// A bit for each lane whose corners have normals.
+    smooth: u32,
+}
+
+impl CornerBatch {
+    /// Puts in a lane the corners at these vertices of `mesh`.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, mesh: &Mesh, vertices: [usize; 3]) {
+        for (corner, vertex) in vertices.into_iter().enumerate() {
+            Vector3::from(mesh.positions[vertex]).put(&mut self.positions[corner], lane);
+        }
+        let bit = 1 << lane;
+        self.smooth &= !bit;
+        if !mesh.normals.is_empty() {
+            self.smooth |= bit;
+            for (corner, vertex) in vertices.into_iter().enumerate() {
+                Vector3::from(mesh.normals[vertex]).put(&mut self.normals[corner], lane);
+            }
+        }
+        self.orientation.0[lane] = mesh.orientation;
+    }
+
+    /// The corners, from the lane `first` on.
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S, first: usize) -> Corners<Lanes<S>> {
+        let smooth = LaneMask::from_bits(simd, self.smooth >> first);
+        Corners {
+            positions: self.positions.each_ref().map(|corner| Vector3::load(simd, corner, first)),
+            orientation: Lanes::load(simd, &self.orientation, first),
+            normals: (smooth, self.normals.each_ref().map(|n| Vector3::load(simd, n, first))),
+        }
+    }
+}
+
+/// Points of triangles, one for each lane, side by side in memory.
+#[derive(Clone, Debug, Default)]
+pub struct TriangleBatch {
+    corners: CornerBatch,
+    uvs: [[LaneArray; 2]; 3],
+    barycentric: [LaneArray; 2],
+    /// The directions of the rays that arrive.
+    directions: [LaneArray; 3],
+    /// A bit for each lane whose corners have surface coordinates.
+    mapped: u32,
+}
+
+impl TriangleBatch {
+    /// The directions of the rays that arrive, in the lanes from `first` on.
+    #[inline(always)]
+    #[must_use]
+    pub fn directions<S: Simd>(&self, simd: S, first: usize) -> Vector3<Lanes<S>> {
+        Vector3::load(simd, &self.directions, first)
+    }
+
+    /// Puts in a lane where a ray of this direction has met a triangle of `mesh`.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, mesh: &Mesh, hit: &Hit, direction: Vec3) {
+        let vertices = mesh.indices[hit.primitive as usize].map(|vertex| vertex as usize);
+        self.corners.set(lane, mesh, vertices);
+        let bit = 1 << lane;
+        self.mapped &= !bit;
+        if !mesh.uvs.is_empty() {
+            self.mapped |= bit;
+            for (corner, vertex) in vertices.into_iter().enumerate() {
+                let [u, v] = &mut self.uvs[corner];
+                (u.0[lane], v.0[lane]) = mesh.uvs[vertex].into();
+            }
+        }
+        let [x, y] = &mut self.barycentric;
+        (x.0[lane], y.0[lane]) = (hit.u, hit.v);
+        Vector3::from(direction).put(&mut self.directions, lane);
+    }
+
+    /// The surfaces, from the lane `first` on.
+    #[inline(always)]
+    #[must_use]
+    pub fn surfaces<S: Simd>(&self, simd: S, first: usize) -> SurfaceLanes<Lanes<S>> {
+        let mapped = LaneMask::from_bits(simd, self.mapped >> first);
+        let point = TrianglePoint {
+            corners: self.corners.load(simd, first),
+            barycentric: Vector2::load(simd, &self.barycentric, first),
+            uvs: (mapped, self.uvs.each_ref().map(|uv| Vector2::load(simd, uv, first))),
+        };
+        let TriangleSurface { point, error, normal, shading_normal, uv, dp_du, dp_dv } =
+            point.surface();
+        let shading = Frame3::from_normal_and_tangent(shading_normal, dp_du);
+        let wi = shading.to_local(-Vector3::load(simd, &self.directions, first));
+        SurfaceLanes { point, error, normal, shading, uv, dp_du, dp_dv, wi }
+    }
+}

@@ -1,0 +1,158 @@
+//! Every manual page says what its plugin takes: the sample builds without a finding, and the list of
+//! parameters is what the code asks for.
+
+use etendue_document::{Class, Diagnostics, Fault, MemoryResources};
+use etendue_image::{Channel, EncodeOptions, FileFormat, Picture, encode};
+use etendue_mesh::{Attribute, AttributeDomain, TriangleMesh, write_obj, write_ply};
+use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_scene::{BuildOptions, Manual, build_scene, registry};
+use glam::Vec3;
+
+fn mesh() -> TriangleMesh {
+    TriangleMesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        indices: vec![[0, 1, 2]],
+        attributes: vec![Attribute {
+            name: "vertex_color".into(),
+            domain: AttributeDomain::Vertex,
+            channels: 3,
+            values: vec![0.5; 9],
+        }],
+        ..TriangleMesh::default()
+    }
+}
+
+/// One triangle in the serialized format, version 4 (Mitsuba 3's manual of `serialized`): no sample
+/// could be read without it.
+fn serialized() -> Vec<u8> {
+    include_bytes!("data/triangle.serialized").to_vec()
+}
+
+fn picture() -> Picture {
+    let channels =
+        ["R", "G", "B"].map(|name| Channel { name: name.to_owned(), data: vec![0.5; 4] });
+    Picture { channels: channels.to_vec(), ..Picture::new(2, 2) }
+}
+
+/// A volume of two cells.
+fn volume() -> Vec<u8> {
+    let header = [1, 2, 1, 1, 1].map(i32::to_le_bytes).concat();
+    let values = [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0, 0.5, 0.25].map(f32::to_le_bytes).concat();
+    [b"VOL\x03".to_vec(), header, values].concat()
+}
+
+fn resources() -> MemoryResources {
+    let encoded = |format| {
+        encode(&picture(), format, &EncodeOptions::default()).expect("the picture can be written")
+    };
+    MemoryResources::default()
+        .with("sample.obj", write_obj(&mesh()))
+        .with("sample.ply", write_ply(&mesh()))
+        .with("curves.txt", b"0 0 0 1\n1 0 0 1\n2 0 0 1\n3 0 0 1\n".to_vec())
+        .with("ellipsoids.ply", include_bytes!("data/ellipsoids.ply").to_vec())
+        .with("sample.bsdf", include_bytes!("../src/bsdf/measured/isotropic.bsdf").to_vec())
+        .with("sample.serialized", serialized())
+        .with("smoke.vol", volume())
+        .with("distance.vol", include_bytes!("data/distance.vol").to_vec())
+        .with("sample.exr", encoded(FileFormat::Exr))
+        .with("wood.png", encoded(FileFormat::Png))
+}
+
+/// A whole scene around a sample of a class.
+fn scene_around(class: Class, sample: &str) -> String {
+    let sensor = if sample.contains("<sensor") { "" } else { "<sensor type=\"perspective\"/>" };
+    if let Some(inner) = sample.strip_prefix("<scene>") {
+        return format!("<scene>{sensor}{inner}");
+    }
+    let inner = match class {
+        Class::Bsdf => format!("<shape type=\"sphere\">{sample}</shape>"),
+        Class::Texture => {
+            let named = sample.replacen("<texture", "<texture name=\"reflectance\"", 1);
+            let named =
+                if sample.contains(" name=\"reflectance\"") { sample.to_owned() } else { named };
+            format!("<shape type=\"sphere\"><bsdf type=\"diffuse\">{named}</bsdf></shape>")
+        }
+        Class::Film | Class::Sampler => {
+            return format!("<scene><sensor type=\"perspective\">{sample}</sensor></scene>");
+        }
+        Class::ReconstructionFilter => {
+            let film = format!("<film type=\"hdrfilm\">{sample}</film>");
+            return format!("<scene><sensor type=\"perspective\">{film}</sensor></scene>");
+        }
+        _ => sample.to_owned(),
+    };
+    format!("<scene>{sensor}{inner}</scene>")
+}
+
+/// What building a scene finds.
+fn findings(text: &str) -> Vec<etendue_document::Diagnostic> {
+    let (diagnostics, resources) = (Diagnostics::new(), resources());
+    if let Some(document) = load_str(text, &resources, &LoadOptions::default(), &diagnostics) {
+        let _ = build_scene(&document, &resources, &diagnostics, &BuildOptions::default());
+    }
+    diagnostics.sorted()
+}
+
+#[test]
+fn every_sample_builds_without_a_finding() {
+    for (class, name, manual) in registry::plugins() {
+        let found = findings(&scene_around(class, manual.sample));
+        assert!(found.is_empty(), "{} `{name}`: {found:?}", class.name());
+    }
+}
+
+/// The parameters that the code asks for, as the warning about an unknown one lists them.
+fn asked(class: Class, name: &str, manual: &Manual) -> Vec<String> {
+    let opening = format!("type=\"{name}\"");
+    let place = manual.sample.find(&opening).expect("the sample names its plugin") + opening.len();
+    let (before, after) = manual.sample.split_at(place);
+    let unknown = "<string name=\"no_such_parameter\" value=\"\"/>";
+    let spoiled = match after.find(['>', '/']) {
+        Some(end) if after[end..].starts_with("/>") => {
+            let element = before[before.rfind('<').expect("an element") + 1..]
+                .split(' ')
+                .next()
+                .expect("a name");
+            format!("{before}{}>{unknown}</{element}{}", &after[..end], &after[end + 1..])
+        }
+        Some(end) => format!("{before}{}{unknown}{}", &after[..=end], &after[end + 1..]),
+        None => panic!("the sample of `{name}` is no XML"),
+    };
+    let found = findings(&scene_around(class, &spoiled));
+    let warning = found
+        .iter()
+        .find(|finding| {
+            finding.fault == Fault::UnknownParameter
+                && finding.message.contains("no_such_parameter")
+        })
+        .unwrap_or_else(|| panic!("`{name}` accepts anything: {found:?}"));
+    let listed = warning.help.join(" ");
+    let mut words: Vec<String> = listed.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    // The plugin itself is named too; it may have a parameter of that name.
+    if let Some(place) = words.iter().position(|word| word == name) {
+        words.remove(place);
+    }
+    words
+}
+
+#[test]
+fn every_parameter_that_is_asked_for_is_in_the_manual_and_none_else() {
+    let mut wrong = Vec::new();
+    for (class, name, manual) in registry::plugins() {
+        let asked = asked(class, name, manual);
+        for parameter in manual.parameters {
+            // Objects have any name or none.
+            let nested = parameter.name == "(nested)"
+                || ["bsdf", "texture", "shape", "curve", "emitter"].contains(&parameter.kind);
+            if !nested && !asked.iter().any(|name| name == parameter.name) {
+                wrong.push(format!("`{name}` does not ask for `{}`: {asked:?}", parameter.name));
+            }
+        }
+        for asked in asked {
+            if !manual.parameters.iter().any(|parameter| parameter.name == asked) {
+                wrong.push(format!("the manual of `{name}` lacks `{asked}`"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
