@@ -13,7 +13,7 @@ use etendue::document::{Diagnostics, MemoryResources};
 use etendue::engine::Channels;
 use etendue::image::{Limits, decode_exr_layers_with_limits, decode_with_limits};
 use etendue::mesh::{ObjOptions, read_obj, read_ply, read_serialized, serialized_shape_count};
-use etendue::mitsuba::{LoadOptions, load_str, read_file};
+use etendue::mitsuba::{LoadOptions, read_file, read_text};
 use etendue::scene::BuildOptions;
 use etendue::{
     Cancel, FilmFile, RenderJob, RenderOptions, SceneOptions, Silent, Workers, load_text,
@@ -53,7 +53,7 @@ pub(crate) fn xml(bytes: &[u8]) {
     let options = LoadOptions::default();
     let _ = read_file(Path::new("/scene.xml"), &resources, &options, &Diagnostics::new());
     if let Ok(text) = std::str::from_utf8(bytes) {
-        let _ = load_str(text, &resources, &options, &Diagnostics::new());
+        let _ = read_text(text, &resources, &options, &Diagnostics::new());
     }
 }
 

@@ -6,7 +6,7 @@ use etendue_engine::{
     render_samples,
 };
 use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 
 /// A square from (-1, -1) to (1, 1) seen straight on, so that places on the film are places on it.
@@ -34,13 +34,14 @@ const SQUARE: &str = r#"
 fn build() -> (Scene, Box<dyn Integrator>) {
     let diagnostics = Diagnostics::new();
     let files = MemoryResources::default();
-    let built =
-        load_str(SQUARE, &files, &LoadOptions::default(), &diagnostics).and_then(|document| {
+    let built = read_text(SQUARE, &files, &LoadOptions::default(), &diagnostics).ok().and_then(
+        |document| {
             let scene = build_scene(&document, &files, &diagnostics, &BuildOptions::default())?;
             let options = IntegratorOptions::default();
             let integrator = build_integrator(&document, &options, &diagnostics)?;
             Some((scene, integrator))
-        });
+        },
+    );
     built.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }
 

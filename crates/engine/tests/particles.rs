@@ -5,7 +5,7 @@ use etendue_engine::{
     Budget, Camera, Cancel, Channels, Job, Region, Silent, Workers, render_samples,
 };
 use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::SamplerSpec;
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::{Accumulator, welch};
@@ -20,7 +20,7 @@ fn build(text: &str, integrator: &str) -> (Scene, Box<dyn Integrator>) {
         <integer name=\"max_depth\" value=\"4\"/></integrator>{text}</scene>"
     );
     let built =
-        load_str(&text, &files, &LoadOptions::default(), &diagnostics).and_then(|document| {
+        read_text(&text, &files, &LoadOptions::default(), &diagnostics).ok().and_then(|document| {
             let scene = build_scene(&document, &files, &diagnostics, &BuildOptions::default())?;
             let options = IntegratorOptions::default();
             let integrator = build_integrator(&document, &options, &diagnostics)?;

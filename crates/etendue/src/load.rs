@@ -51,17 +51,9 @@ pub fn load(
     resources: &dyn Resources,
     options: &SceneOptions,
 ) -> Loaded {
-    let whole_path = working_directory.join(path);
-    let read_again = || {
-        // Without a document its texts are lost; errors in the main file still want an excerpt.
-        let bytes = resources.read(&whole_path).unwrap_or_default();
-        let mut sources = Sources::default();
-        sources.add(path.display().to_string(), String::from_utf8_lossy(&bytes).into_owned());
-        sources
-    };
-    let load_options = load_options(working_directory.clone(), options);
-    load_with(resources, options, read_again, |diagnostics| {
-        etendue_mitsuba::load(path, resources, &load_options, diagnostics)
+    let load_options = load_options(working_directory, options);
+    load_with(resources, options, |diagnostics| {
+        etendue_mitsuba::read_file(path, resources, &load_options, diagnostics)
     })
 }
 
@@ -72,14 +64,9 @@ pub fn load_text(
     resources: &dyn Resources,
     options: &SceneOptions,
 ) -> Loaded {
-    let keep_text = || {
-        let mut sources = Sources::default();
-        sources.add("<scene>", text);
-        sources
-    };
     let load_options = load_options(working_directory, options);
-    load_with(resources, options, keep_text, |diagnostics| {
-        etendue_mitsuba::load_str(text, resources, &load_options, diagnostics)
+    load_with(resources, options, |diagnostics| {
+        etendue_mitsuba::read_text(text, resources, &load_options, diagnostics)
     })
 }
 
@@ -95,16 +82,15 @@ fn load_options(working_directory: PathBuf, options: &SceneOptions) -> LoadOptio
 fn load_with(
     resources: &dyn Resources,
     options: &SceneOptions,
-    sources_without_document: impl FnOnce() -> Sources,
-    read: impl FnOnce(&Diagnostics) -> Option<Document>,
+    read: impl FnOnce(&Diagnostics) -> Result<Document, Sources>,
 ) -> Loaded {
     let diagnostics = if options.strict { Diagnostics::strict() } else { Diagnostics::new() };
     let started = Instant::now();
     let document = read(&diagnostics);
     let document_time = started.elapsed();
     let (content, sources) = match document {
-        Some(document) => build(document, resources, &diagnostics, options),
-        None => (None, sources_without_document()),
+        Ok(document) => build(document, resources, &diagnostics, options),
+        Err(sources) => (None, sources),
     };
     let content = content.filter(|_| !diagnostics.has_errors());
     let times = LoadTimes {

@@ -5,7 +5,7 @@ use etendue_integrators::{
     CameraRay, Integrator, IntegratorOptions, Radiance, Start, build_integrator,
 };
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::{SamplerKind, SamplerSpec};
 use etendue_scene::{BuildOptions, Scene, Tier, build_scene};
 use glam::{UVec2, Vec3};
@@ -61,8 +61,8 @@ fn setup(integrator: &str, material: &str, tier: Option<Tier>) -> Setup {
     );
     let diagnostics = Diagnostics::new();
     let resources = MemoryResources::default().with("tetrahedron.obj", TETRAHEDRON);
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics)
-        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics)
+        .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     let options = BuildOptions { tier, ..BuildOptions::default() };
     let scene = build_scene(&document, &resources, &diagnostics, &options)
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));

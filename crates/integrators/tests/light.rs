@@ -3,7 +3,7 @@
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::{SamplerKind, SamplerSpec};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_spectrum::color::rgb_to_xyz;
@@ -23,8 +23,8 @@ fn setup(text: &str, options: &IntegratorOptions) -> Setup {
     let diagnostics = Diagnostics::new();
     let resources = MemoryResources::default().with("leaning.obj", LEANING);
     let text = format!("<scene>{text}<sensor type=\"perspective\"/></scene>");
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics)
-        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics)
+        .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     let scene = build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
     let integrator = build_integrator(&document, options, &diagnostics)

@@ -3,7 +3,7 @@
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::{SamplerKind, SamplerSpec};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::{Accumulator, welch};
@@ -47,8 +47,8 @@ fn setup(integrator: &str, text: &str, emitter_sampling: bool) -> Setup {
         MemoryResources::default().with("grid.vol", grid()).with("flakes.vol", flakes());
     let text =
         format!(r#"<scene version="3.0.0">{integrator}{text}<sensor type="perspective"/></scene>"#);
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics)
-        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics)
+        .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     let scene = build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
     let options = IntegratorOptions { name: None, emitter_sampling };
@@ -259,7 +259,7 @@ fn what_leaves_media_out_says_so() {
         let diagnostics = Diagnostics::new();
         let text = format!(r#"<scene version="3.0.0"><integrator type="{name}"/>{text}</scene>"#);
         let resources = MemoryResources::default();
-        let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+        let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics);
         let options = IntegratorOptions::default();
         let _ = build_integrator(&document.expect("a document"), &options, &diagnostics);
         let findings = diagnostics.sorted();

@@ -1,6 +1,6 @@
 //! Mitsuba XML, versions 0.4 to 3, to the scene document.
 //!
-//! [`load`] reads a file with everything it includes, substitutes `$names`, resolves references
+//! [`read_file`] reads a file with everything it includes, substitutes `$names`, resolves references
 //! and upgrades older dialects, and returns a [`Document`] in the element and parameter names of
 //! version 3. What it finds wrong goes to [`Diagnostics`] with its place; it goes on after every
 //! error that allows it, so that one run shows them all. Input may be hostile: nesting, sizes and
@@ -61,24 +61,4 @@ pub fn read_text(
     diagnostics: &Diagnostics,
 ) -> Result<Document, Sources> {
     loader::Loader::new(resources, options, diagnostics).load_text("<scene>", text)
-}
-
-/// [`read_file`] for callers that need no excerpts of what is no scene.
-pub fn load(
-    path: &Path,
-    resources: &dyn Resources,
-    options: &LoadOptions,
-    diagnostics: &Diagnostics,
-) -> Option<Document> {
-    read_file(path, resources, options, diagnostics).ok()
-}
-
-/// [`read_text`] for callers that need no excerpts of what is no scene.
-pub fn load_str(
-    text: &str,
-    resources: &dyn Resources,
-    options: &LoadOptions,
-    diagnostics: &Diagnostics,
-) -> Option<Document> {
-    read_text(text, resources, options, diagnostics).ok()
 }

@@ -151,7 +151,7 @@ mod tests {
     use etendue_document::{Diagnostics, Document, MemoryResources};
 
     use super::*;
-    use crate::{LoadOptions, load_str};
+    use crate::{LoadOptions, read_text};
 
     /// Several pieces of shapes, with `last` after all of them.
     fn long_scene(last: &str) -> String {
@@ -168,7 +168,7 @@ mod tests {
     fn load(text: &str) -> (Option<Document>, Vec<(String, String)>) {
         let diagnostics = Diagnostics::new();
         let options = LoadOptions::default();
-        let document = load_str(text, &MemoryResources::default(), &options, &diagnostics);
+        let document = read_text(text, &MemoryResources::default(), &options, &diagnostics).ok();
         let words = |found: &etendue_document::Diagnostic| {
             let span = found.span.unwrap();
             (found.message.clone(), text[span.start as usize..span.end as usize].to_owned())
@@ -245,7 +245,7 @@ mod tests {
         let inside = "<float name='x' value='1'/>".repeat(4 * scan::PIECE / 27);
         let text = format!("<scene>\n<shape type='cube'>{inside}</shape></scene>");
         let diagnostics = Diagnostics::new();
-        load_str(&text, &MemoryResources::default(), &options, &diagnostics);
+        read_text(&text, &MemoryResources::default(), &options, &diagnostics).ok();
         let found = diagnostics.sorted();
         assert_eq!((found.len(), found[0].fault), (1, Fault::Limit));
     }

@@ -3,7 +3,7 @@
 use etendue_document::{Diagnostics, MemoryResources, Severity};
 use etendue_math::Ray;
 use etendue_mesh::{Attribute, AttributeDomain, TriangleMesh, write_ply};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use glam::Vec3;
 
@@ -35,7 +35,7 @@ fn build(shapes: &str) -> Result<Scene, String> {
     let resources = MemoryResources::default().with("square.ply", write_ply(&square()));
     let diagnostics = Diagnostics::new();
     let text = format!("<scene version='3.0.0'><sensor type='perspective'/>{shapes}</scene>");
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics).ok();
     let options = BuildOptions::default();
     let scene =
         document.and_then(|document| build_scene(&document, &resources, &diagnostics, &options));

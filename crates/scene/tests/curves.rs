@@ -2,7 +2,7 @@
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
@@ -35,8 +35,8 @@ fn scene(plugin: &str, curves: &str) -> Scene {
     let text = format!(
         r#"<scene><shape type="{plugin}"><string name="filename" value="curves.txt"/></shape></scene>"#
     );
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics)
-        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics)
+        .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }

@@ -2,7 +2,7 @@
 
 use etendue_document::{Diagnostic, Diagnostics, MemoryResources};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::TestRng;
 use glam::Vec3;
@@ -17,8 +17,8 @@ fn build(plugin: &str, parameters: &str, file: &[u8]) -> (Option<Scene>, Vec<Dia
         r#"<scene><shape type="{plugin}"><string name="filename" value="cloud.ply"/>{parameters}
            </shape></scene>"#
     );
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
-    let document = document.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = document.unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     let scene = build_scene(&document, &resources, &diagnostics, &BuildOptions::default());
     (scene, diagnostics.sorted())
 }

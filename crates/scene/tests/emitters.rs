@@ -4,7 +4,7 @@
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_image::{Channel, EncodeOptions, FileFormat, Picture, encode};
 use etendue_math::{Frame, Ray};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::emitter::Emitter;
 use etendue_scene::{BuildOptions, EmitterId, Scene, ShapeId, SurfaceInteraction, build_scene};
 use etendue_testkit::{Accumulator, ChiSquare, TestRng, welch};
@@ -15,8 +15,8 @@ fn scene(elements: &str) -> Scene {
     let diagnostics = Diagnostics::new();
     let resources = MemoryResources::default().with("sky.exr", sky()).with("slide.exr", slide());
     let text = format!("<scene version=\"3.0.0\">{elements}</scene>");
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
-    let document = document.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = document.unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }

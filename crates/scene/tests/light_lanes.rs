@@ -5,7 +5,7 @@ use etendue_math::lanes::{
     Frame3, LaneArray, LaneMask, Lanes, Level, MAX_LANES, Mask, Simd, Vector2, Vector3, baseline,
 };
 use etendue_math::{Frame, RayLanes, with_lanes};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::emitter::{DirectionSample, LightLanes, Target};
 use etendue_scene::{BuildOptions, Scene, SurfaceInteraction, SurfaceLanes, build_scene};
 use etendue_spectrum::Spectrum;
@@ -18,8 +18,8 @@ fn scene(elements: &str) -> Scene {
     resources.insert("roof.obj", ROOF);
     resources.insert("field.obj", field());
     let text = format!("<scene version=\"3.0.0\">{elements}</scene>");
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
-    let document = document.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = document.unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }

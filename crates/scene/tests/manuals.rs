@@ -4,7 +4,7 @@
 use etendue_document::{Class, Diagnostics, Fault, MemoryResources};
 use etendue_image::{Channel, EncodeOptions, FileFormat, Picture, encode};
 use etendue_mesh::{Attribute, AttributeDomain, TriangleMesh, write_obj, write_ply};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Manual, build_scene, registry};
 use glam::Vec3;
 
@@ -87,7 +87,7 @@ fn scene_around(class: Class, sample: &str) -> String {
 /// What building a scene finds.
 fn findings(text: &str) -> Vec<etendue_document::Diagnostic> {
     let (diagnostics, resources) = (Diagnostics::new(), resources());
-    if let Some(document) = load_str(text, &resources, &LoadOptions::default(), &diagnostics) {
+    if let Ok(document) = read_text(text, &resources, &LoadOptions::default(), &diagnostics) {
         let _ = build_scene(&document, &resources, &diagnostics, &BuildOptions::default());
     }
     diagnostics.sorted()

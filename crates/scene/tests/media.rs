@@ -2,7 +2,7 @@
 
 use etendue_document::{Diagnostic, Diagnostics, MemoryResources};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use glam::Vec3;
 
@@ -24,7 +24,7 @@ fn build(text: &str) -> (Option<Scene>, Vec<Diagnostic>) {
         .with("huge.vol", row(&[1e30, 1e30]))
         .with("thick.vol", row(&[1e7]));
     let text = format!("<scene version=\"3.0.0\">{text}<sensor type=\"perspective\"/></scene>");
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics).ok();
     let scene = document.and_then(|document| {
         build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
     });
@@ -89,7 +89,7 @@ fn a_sensor_may_stand_in_a_medium() {
     let text = r#"<scene version="3.0.0"><medium type="homogeneous" id="fog"/>
         <sensor type="perspective"><ref id="fog"/></sensor></scene>"#;
     let (diagnostics, resources) = (Diagnostics::new(), MemoryResources::default());
-    let document = load_str(text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = read_text(text, &resources, &LoadOptions::default(), &diagnostics);
     let document = document.expect("a document");
     let scene = build_scene(&document, &resources, &diagnostics, &BuildOptions::default());
     assert!(scene.expect("a scene").sensors()[0].medium.is_some());

@@ -2,7 +2,7 @@
 
 use etendue_document::{Diagnostics, MemoryResources, Span};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use glam::Vec3;
 
@@ -34,7 +34,7 @@ fn build(shapes: &[String]) -> Result<Scene, Vec<(String, Option<Span>)>> {
     let diagnostics = Diagnostics::new();
     let shapes = shapes.concat();
     let text = format!("<scene version='3.0.0'><sensor type='perspective'/>{shapes}</scene>");
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics).ok();
     let options = BuildOptions::default();
     let scene =
         document.and_then(|document| build_scene(&document, &resources, &diagnostics, &options));

@@ -2,14 +2,14 @@
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::TestRng;
 use glam::Vec3;
 
 fn scene(elements: &str) -> Scene {
     let (diagnostics, resources) = (Diagnostics::new(), MemoryResources::default());
-    let document = load_str(
+    let document = read_text(
         &format!("<scene>{elements}</scene>"),
         &resources,
         &LoadOptions::default(),

@@ -2,7 +2,7 @@
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_math::Ray;
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use glam::Vec3;
 
@@ -13,8 +13,8 @@ fn scene(normals: &str) -> Scene {
     let text = format!(
         r#"<scene version="3.0.0"><shape type="sdfgrid"><string name="filename" value="d.vol"/><string name="normals" value="{normals}"/><transform name="to_world"><scale x="2" y="1" z="1.5"/><translate x="-1" y="-0.5"/></transform></shape></scene>"#
     );
-    let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics)
-        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
+    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics)
+        .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }

@@ -1,7 +1,7 @@
 //! Sensors that are no cameras: rays against what their pages say.
 
 use etendue_document::{Diagnostics, MemoryResources, Severity};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::sensor::SensorRay;
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::TestRng;
@@ -21,7 +21,7 @@ fn scene(elements: &str) -> Scene {
         <point name=\"center\" x=\"1\" y=\"0\" z=\"0\"/><float name=\"radius\" value=\"2\"/></shape></scene>"
     );
     let scene =
-        load_str(&text, &files, &LoadOptions::default(), &diagnostics).and_then(|document| {
+        read_text(&text, &files, &LoadOptions::default(), &diagnostics).ok().and_then(|document| {
             build_scene(&document, &files, &diagnostics, &BuildOptions::default())
         });
     assert!(diagnostics.sorted().is_empty(), "{:?}", diagnostics.sorted());
@@ -146,7 +146,7 @@ fn what_cannot_be_is_reported() {
         let diagnostics = Diagnostics::new();
         let files = MemoryResources::default();
         let whole = format!("<scene version=\"3.0.0\">{text}<shape type=\"sphere\"/></scene>");
-        let document = load_str(&whole, &files, &LoadOptions::default(), &diagnostics);
+        let document = read_text(&whole, &files, &LoadOptions::default(), &diagnostics);
         let document = document.expect("the text can be read");
         let _ = build_scene(&document, &files, &diagnostics, &BuildOptions::default());
         let found = diagnostics.sorted();

@@ -143,7 +143,7 @@ impl Way<'_> {
 mod tests {
     use super::*;
     use etendue_document::{Diagnostics, MemoryResources};
-    use etendue_mitsuba::{LoadOptions, load_str};
+    use etendue_mitsuba::{LoadOptions, read_text};
     use etendue_sampling::{SamplerKind, SamplerSpec};
     use etendue_scene::emitter::Target;
     use etendue_scene::{BuildOptions, build_scene};
@@ -163,7 +163,8 @@ mod tests {
             <scale value="2"/></transform></volume></medium></shape><sensor type="perspective"/></scene>"#;
         let diagnostics = Diagnostics::new();
         let resources = MemoryResources::default().with("grid.vol", grid);
-        load_str(text, &resources, &LoadOptions::default(), &diagnostics)
+        read_text(text, &resources, &LoadOptions::default(), &diagnostics)
+            .ok()
             .and_then(|document| {
                 build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
             })

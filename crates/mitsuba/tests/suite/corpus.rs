@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use etendue_document::Fault::{BadValue, Io, Limit, MissingParameter, Syntax, Unsupported};
 use etendue_document::Severity::{Error, Warning};
 use etendue_document::{Diagnostics, Fault, MemoryResources, Severity, Span};
-use etendue_mitsuba::{LoadOptions, load, read_file};
+use etendue_mitsuba::{LoadOptions, read_file};
 
 /// A file and everything that is to be said about it, by line.
 struct Case {
@@ -97,7 +97,7 @@ fn findings(name: &str, bytes: &[u8]) -> (Vec<(Severity, Fault, usize)>, Diagnos
     let resources = MemoryResources::default().with(format!("/corpus/{name}"), bytes);
     let diagnostics = Diagnostics::new();
     let path = format!("/corpus/{name}");
-    load(Path::new(&path), &resources, &LoadOptions::default(), &diagnostics);
+    let _ = read_file(Path::new(&path), &resources, &LoadOptions::default(), &diagnostics);
     let text = String::from_utf8_lossy(bytes);
     let line = |span: Option<Span>| {
         let start = span.expect("it has a place").start as usize;

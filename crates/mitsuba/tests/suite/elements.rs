@@ -3,7 +3,7 @@
 use etendue_document::Fault::{BadValue, MissingParameter, Syntax, UnknownParameter};
 use etendue_document::Severity::{Error, Warning};
 use etendue_document::{Class, SpectrumValue, Value};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use glam::DVec3;
 
 use super::{clean, load, nested, object, value};
@@ -214,7 +214,7 @@ fn names_given_by_the_caller_replace_defaults_anywhere() {
         ..LoadOptions::default()
     };
     let resources = etendue_document::MemoryResources::default();
-    let document = load_str(&text, &resources, &options, &diagnostics).unwrap();
+    let document = read_text(&text, &resources, &options, &diagnostics).unwrap();
     let sampler = object(&document, 0);
     assert_eq!(sampler.plugin, "independent");
     assert_eq!(value(sampler, "sample_count"), &Value::Integer(64));

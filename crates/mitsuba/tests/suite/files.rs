@@ -4,7 +4,7 @@ use std::path::Path;
 
 use etendue_document::Fault::{Io, Limit, Syntax};
 use etendue_document::{Diagnostics, MemoryResources, Severity, Value, render_diagnostic};
-use etendue_mitsuba::{Limits, LoadOptions, load};
+use etendue_mitsuba::{Limits, LoadOptions, read_file};
 
 use super::{Loaded, names, nested, object, value};
 
@@ -19,7 +19,7 @@ fn files(files: &[(&str, &str)]) -> MemoryResources {
 fn load_files(resources: &MemoryResources, path: &str) -> Loaded {
     let options = LoadOptions { working_directory: "/home".into(), ..LoadOptions::default() };
     let diagnostics = Diagnostics::new();
-    let document = load(Path::new(path), resources, &options, &diagnostics);
+    let document = read_file(Path::new(path), resources, &options, &diagnostics);
     Loaded { document: document.expect("it is a scene"), diagnostics }
 }
 
@@ -122,7 +122,7 @@ fn the_bytes_of_all_files_are_bounded() {
     let limits = Limits { total_bytes: 50, ..Limits::default() };
     let options = LoadOptions { limits, ..LoadOptions::default() };
     let diagnostics = Diagnostics::new();
-    let document = load(Path::new("/m.xml"), &resources, &options, &diagnostics).unwrap();
+    let document = read_file(Path::new("/m.xml"), &resources, &options, &diagnostics).unwrap();
     let loaded = Loaded { document, diagnostics };
     assert_eq!(loaded.findings(), [(Severity::Error, Limit, 2)]);
 }
@@ -158,7 +158,7 @@ fn a_missing_scene_has_no_place() {
     let diagnostics = Diagnostics::new();
     let resources = MemoryResources::default();
     let path = Path::new("/none.xml");
-    assert!(load(path, &resources, &LoadOptions::default(), &diagnostics).is_none());
+    assert!(read_file(path, &resources, &LoadOptions::default(), &diagnostics).is_err());
     let found = diagnostics.sorted();
     assert_eq!((found[0].fault, found[0].span), (Io, None));
     let text = render_diagnostic(&found[0], &etendue_document::Sources::default(), false);

@@ -12,7 +12,7 @@ mod upgrades;
 use etendue_document::{
     Diagnostics, Document, Fault, MemoryResources, Node, NodeId, Resources, Severity, Value,
 };
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 
 /// A document and what was found on the way to it.
 struct Loaded {
@@ -28,7 +28,7 @@ fn load(content: &str) -> Loaded {
 fn load_with(content: &str, resources: &dyn Resources, options: &LoadOptions) -> Loaded {
     let text = format!("<scene version=\"3.0.0\">\n{content}\n</scene>");
     let diagnostics = Diagnostics::new();
-    let document = load_str(&text, resources, options, &diagnostics).expect("it is a scene");
+    let document = read_text(&text, resources, options, &diagnostics).expect("it is a scene");
     Loaded { document, diagnostics }
 }
 

@@ -1,7 +1,7 @@
 //! Media of older versions in the terms of version 3.
 
 use etendue_document::{Class, Diagnostics, Document, MemoryResources, Node, Value};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use glam::DVec3;
 
 use super::{clean, names, nested, object, value};
@@ -10,7 +10,7 @@ use super::{clean, names, nested, object, value};
 fn old(content: &str) -> Document {
     let text = format!("<scene version=\"0.6.0\">\n{content}\n</scene>");
     let (resources, diagnostics) = (MemoryResources::default(), Diagnostics::new());
-    load_str(&text, &resources, &LoadOptions::default(), &diagnostics).expect("it is a scene")
+    read_text(&text, &resources, &LoadOptions::default(), &diagnostics).expect("it is a scene")
 }
 
 fn close(node: &Node, name: &str, expected: [f64; 3]) {

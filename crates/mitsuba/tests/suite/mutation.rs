@@ -1,7 +1,7 @@
 //! Random damage to a valid scene: whatever comes of it, nothing panics.
 
 use etendue_document::{Diagnostics, MemoryResources, render_diagnostic};
-use etendue_mitsuba::{LoadOptions, load};
+use etendue_mitsuba::{LoadOptions, read_file};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -79,9 +79,9 @@ proptest! {
         let resources = MemoryResources::default().with("scene.xml", bytes);
         let diagnostics = Diagnostics::new();
         let options = LoadOptions::default();
-        let document = load(Path::new("scene.xml"), &resources, &options, &diagnostics);
-        prop_assert!(document.is_some() || diagnostics.has_errors());
-        let Some(document) = document else { return Ok(()) };
+        let document = read_file(Path::new("scene.xml"), &resources, &options, &diagnostics);
+        prop_assert!(document.is_ok() || diagnostics.has_errors());
+        let Ok(document) = document else { return Ok(()) };
         for found in diagnostics.sorted() {
             prop_assert!(!render_diagnostic(&found, &document.sources, true).is_empty());
         }

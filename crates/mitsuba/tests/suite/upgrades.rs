@@ -3,7 +3,7 @@
 use etendue_document::Fault::Approximation;
 use etendue_document::Severity::{Note, Warning};
 use etendue_document::{Diagnostics, MemoryResources, SpectrumValue, Value};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use glam::{DMat4, DVec3};
 
 use super::{Loaded, clean, load, names, nested, object, value};
@@ -264,7 +264,7 @@ fn a_conductor_of_which_nothing_is_said_is_copper_in_old_scenes_only() {
             format!("<scene version='{version}'><bsdf type='conductor'>{content}</bsdf></scene>");
         let diagnostics = Diagnostics::new();
         let resources = MemoryResources::default();
-        let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics).unwrap();
+        let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics).unwrap();
         object(&document, 0).parameters.last().map(|last| last.value.clone())
     };
     assert_eq!(material("0.6.0", ""), Some(text("Cu")));

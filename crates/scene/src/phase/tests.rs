@@ -4,7 +4,7 @@ use super::*;
 use crate::builder::{Assets, BuildOptions, Builder};
 use crate::volume::grid_file::tests::file;
 use etendue_document::{Class, Diagnostics, MemoryResources};
-use etendue_mitsuba::{LoadOptions, load_str};
+use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_testkit::ChiSquare;
 use etendue_testkit::quadrature::integrate_sphere;
 
@@ -18,7 +18,7 @@ fn read(text: &str) -> (Option<PhaseFunction>, Vec<etendue_document::Diagnostic>
         .with("grey.vol", file([1, 1, 1], 1, &[0.5]));
     let text = format!("<scene><medium type=\"homogeneous\">{text}</medium></scene>");
     let options = LoadOptions::default();
-    let document = load_str(&text, &resources, &options, &diagnostics).expect("a document");
+    let document = read_text(&text, &resources, &options, &diagnostics).expect("a document");
     let node = (0..document.nodes.len() as u32)
         .map(etendue_document::NodeId)
         .find(|id| document.node(*id).class == Class::Phase)

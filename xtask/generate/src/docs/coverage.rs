@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use etendue::document::{Diagnostics, MemoryResources};
-use etendue::mitsuba::{LoadOptions, load_str};
+use etendue::mitsuba::{LoadOptions, read_text};
 use etendue::scene::Manual;
 use etendue::{integrators, scene};
 
@@ -134,7 +134,7 @@ fn upgraded(theirs: &Theirs) -> Option<String> {
     };
     let text = format!("<scene version=\"3.0.0\">{element}</scene>");
     let (files, diagnostics) = (MemoryResources::default(), Diagnostics::new());
-    let document = load_str(&text, &files, &LoadOptions::default(), &diagnostics)?;
+    let document = read_text(&text, &files, &LoadOptions::default(), &diagnostics).ok()?;
     let of_scene = &document.node(document.root).children;
     let mut node = document.node(of_scene.first()?.node);
     if *class == "spectrum" {
