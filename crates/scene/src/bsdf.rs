@@ -18,19 +18,12 @@
 pub mod blendbsdf;
 pub mod bumpmap;
 pub mod circular;
-mod coat;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
-mod disney;
-mod erf;
-pub mod fresnel;
 pub mod hair;
-mod inputs;
-mod lanes;
 pub mod mask;
 pub mod measured;
-pub mod microfacet;
 pub mod normalmap;
 pub mod null;
 pub mod plastic;
@@ -47,12 +40,10 @@ pub mod twosided;
 
 mod prepared;
 #[cfg(test)]
-mod testing;
-#[cfg(test)]
 mod tests;
 
-pub(crate) use coat::CoatTables;
-pub use lanes::{ClosureLanes, LaneKind, LaneMaterial, SampleLanes};
+pub use crate::batch::{ClosureLanes, LaneKind, LaneMaterial};
+pub use crate::lanes::SampleLanes;
 pub use prepared::{Bsdf, Gather, Material, Materials, Placement};
 
 use etendue_spectrum::Spectrum;

@@ -8,11 +8,12 @@ mod shapes;
 
 pub use assets::Assets;
 
-use crate::bsdf::{CoatTables, Material};
+use crate::bsdf::Material;
 use crate::emitter::{Emitter, read_sampling_weight};
 use crate::film::FilmSpec;
 use crate::ids::{MaterialId, MediumId, TextureId};
 use crate::medium::Medium;
+use crate::models::coat::CoatTables;
 use crate::phase::PhaseFunction;
 use crate::registry::{self, find};
 use crate::rfilter::ReconstructionFilter;

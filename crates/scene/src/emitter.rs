@@ -12,17 +12,16 @@ pub mod constant;
 pub mod directional;
 pub mod directionalarea;
 pub mod envmap;
-mod lanes;
 pub mod point;
 pub mod projector;
 pub mod ray_sample;
 pub mod spot;
 pub mod sunsky;
 
-pub(crate) use lanes::LaneEmitters;
-pub use lanes::{LightLanes, TargetLanes};
+pub use crate::lanes::{LightLanes, TargetLanes};
 
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::shadow_segment;
 use crate::manual::{ParameterManual, parameter};
 use crate::scene::Scene;
 use etendue_document::Parameters;
@@ -99,7 +98,7 @@ pub struct DirectionSample {
 
 /// Shadow rays to a surface stop short of it by this share of their length: the distance at which
 /// the surface itself would be hit is known to a few roundings only.
-const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
+pub(crate) const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
 
 impl DirectionSample {
     /// What is left of the way to the light from a point on it; the ray's direction is unit.
@@ -131,7 +130,7 @@ impl DirectionSample {
                 let target = offset_ray_origin(point, error, normal, -self.direction);
                 let origin =
                     offset_ray_origin(surface.point, surface.error, surface.normal, self.direction);
-                lanes::shadow_segment(origin.into(), target.into()).into()
+                shadow_segment(origin.into(), target.into()).into()
             }
         }
     }

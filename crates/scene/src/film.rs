@@ -7,8 +7,6 @@
 
 pub mod hdrfilm;
 pub mod ldrfilm;
-#[cfg(test)]
-pub(crate) mod testing;
 
 use crate::manual::{ParameterManual, parameter};
 use crate::rfilter::{self, ReconstructionFilter};
@@ -293,8 +291,8 @@ fn keyword<T: Copy>(
 #[cfg(test)]
 mod tests {
     use super::hdrfilm::build;
-    use super::testing::TestNode;
     use super::*;
+    use crate::testing::node::TestNode;
     use etendue_document::{Class, Value};
 
     fn node() -> TestNode {

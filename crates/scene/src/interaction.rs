@@ -1,9 +1,5 @@
 //! What is known where a ray has met a surface.
 
-mod lanes;
-
-pub use lanes::{SurfaceBatch, SurfaceLanes};
-
 use crate::ids::{InstanceId, ShapeId};
 use etendue_math::{Frame, Ray, offset_ray_origin};
 use glam::{Vec2, Vec3};

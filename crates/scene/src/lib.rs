@@ -9,14 +9,17 @@
 //! mathematics, its [`Manual`] page and its tests; one line in [`registry`] makes it known.
 #![forbid(unsafe_code)]
 
+mod batch;
 pub mod bsdf;
 mod builder;
 pub mod emitter;
 pub mod film;
 mod ids;
 mod interaction;
+mod lanes;
 mod manual;
 pub mod medium;
+pub mod models;
 pub mod phase;
 pub mod registry;
 pub mod rfilter;
@@ -24,6 +27,8 @@ pub mod sampler;
 mod scene;
 pub mod sensor;
 pub mod shape;
+#[cfg(test)]
+mod testing;
 pub mod texture;
 pub mod volume;
 
@@ -31,6 +36,7 @@ pub use etendue_bvh::{Hit, Tier};
 
 pub use builder::{Assets, BuildOptions, Builder, GatheredScene, build_scene, gather_scene};
 pub use ids::{EmitterId, GroupId, InstanceId, MaterialId, MediumId, ShapeId, TextureId};
-pub use interaction::{SurfaceBatch, SurfaceInteraction, SurfaceLanes};
+pub use interaction::SurfaceInteraction;
+pub use lanes::{SurfaceBatch, SurfaceLanes};
 pub use manual::{Manual, ParameterManual};
 pub use scene::{EmitterChoice, Scene, SceneStatistics, SensorSetup};

@@ -9,11 +9,10 @@
 
 pub mod heterogeneous;
 pub mod homogeneous;
-mod majorants;
 
+pub use crate::models::majorants::{Collision, Tracker};
 pub use heterogeneous::Heterogeneous;
 pub use homogeneous::Homogeneous;
-pub use majorants::{Collision, Tracker};
 
 use crate::builder::Builder;
 use crate::ids::MediumId;

@@ -172,7 +172,7 @@ impl ReconstructionFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::{Fault, Value};
     use etendue_testkit::ChiSquare;
     use etendue_testkit::quadrature::adaptive_simpson;

@@ -89,7 +89,7 @@ fn read_jitter(parameters: &Parameters<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::Value;
 
     fn kinds() -> [(&'static str, SamplerKind); 8] {

@@ -3,15 +3,16 @@
 mod statistics;
 
 pub use self::statistics::SceneStatistics;
+use crate::batch::LaneEmitters;
 use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
-use crate::emitter::{Emitter, LaneEmitters};
+use crate::emitter::Emitter;
 use crate::film::FilmSpec;
 use crate::ids::{EmitterId, InstanceId, MaterialId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use crate::medium::{Medium, MediumInterface};
+use crate::models::mesh::Mesh;
 use crate::sensor::Sensor;
 use crate::shape::instance::Instance;
-use crate::shape::mesh::Mesh;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
 use crate::texture::{Texture, Textures};

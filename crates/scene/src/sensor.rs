@@ -9,17 +9,14 @@
 //! - `to_world` may scale: distances and the aperture are then in the camera's units.
 
 pub mod batch;
-mod connection;
 pub mod distant;
-pub(crate) mod field_of_view;
 pub mod irradiancemeter;
 pub mod orthographic;
 pub mod perspective;
-mod plane;
 pub mod radiancemeter;
 pub mod thinlens;
 
-pub use connection::Connection;
+pub use crate::models::connection::Connection;
 
 use crate::builder::read_transform;
 use crate::film::FilmSpec;
@@ -168,6 +165,21 @@ impl Sensor {
         }
     }
 
+    /// How the world point `point` shows on the film, through a point of the aperture; `aperture` is
+    /// uniform in [0, 1)². `None` where it does not show, or where the sensor is not one that a
+    /// particle can meet.
+    #[must_use]
+    pub fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
+        let connection = match self {
+            Self::Orthographic(sensor) => sensor.connect(point),
+            Self::Perspective(sensor) => sensor.connect(point),
+            Self::ThinLens(sensor) => sensor.connect(point, aperture),
+            _ => None,
+        }?;
+        let is_finite = connection.importance.is_finite() && connection.film_position.is_finite();
+        is_finite.then_some(connection)
+    }
+
     /// The camera as file headers describe it; that of a lens is its centre's.
     #[must_use]
     pub fn camera_matrices(&self) -> CameraMatrices {
@@ -295,7 +307,7 @@ impl SensorCommon {
     }
 
     /// The linear part of camera to world.
-    fn matrix(&self) -> DMat3 {
+    pub(crate) fn matrix(&self) -> DMat3 {
         Mat3::from(self.to_world.affine().matrix3).as_dmat3()
     }
 }

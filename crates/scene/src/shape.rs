@@ -9,24 +9,22 @@
 
 pub mod bsplinecurve;
 pub mod cube;
-pub mod curve_file;
 pub mod cylinder;
 pub mod disk;
-pub mod ellipsoid_file;
 pub mod ellipsoids;
 pub mod ellipsoidsmesh;
 pub mod instance;
 pub mod linearcurve;
-pub mod mesh;
 pub mod obj;
 pub mod ply;
-pub mod profile;
 pub mod rectangle;
 pub mod revsurface;
 pub mod sdfgrid;
 pub mod serialized;
 pub mod shapegroup;
 pub mod sphere;
+
+pub use crate::models::mesh;
 
 use crate::ids::{EmitterId, MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;

@@ -12,17 +12,15 @@ pub mod gridtexture;
 pub mod mesh_attribute;
 pub mod rawconstant;
 pub mod scale;
-mod texels;
-mod uv;
 pub mod volume;
 
 use crate::ids::TextureId;
 use crate::interaction::SurfaceInteraction;
+use crate::models::texels::Texels;
 use crate::volume::gridvolume::GridVolume;
 use etendue_spectrum::Spectrum;
 use glam::Vec2;
 use std::sync::Arc;
-use texels::Texels;
 
 /// A texture of the scene.
 #[derive(Clone, Debug)]

@@ -7,7 +7,6 @@
 //! - Colours are linear Rec. 709; the scalar of a colour is its luminance.
 
 pub mod constvolume;
-pub(crate) mod grid_file;
 pub mod gridvolume;
 
 use etendue_math::{Bounds3, Transform};

@@ -1,10 +1,10 @@
 //! `blendbsdf`: a mixture of two materials.
 
-use super::inputs::{fraction, limited, nested};
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::{fraction, limited, nested};
 use crate::texture::ScalarSource;
 use etendue_document::Parameters;
 
@@ -32,7 +32,7 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Copy, Debug)]
 pub struct BlendBsdf {
     weight: ScalarSource,
-    pub(super) nested: [MaterialId; 2],
+    pub(crate) nested: [MaterialId; 2],
 }
 
 /// Reads the parameters.
@@ -56,7 +56,7 @@ impl BlendBsdf {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::{assert_finds, assert_same};
+    use crate::testing::material::{assert_finds, assert_same};
     use etendue_document::{Fault, Severity};
 
     #[test]

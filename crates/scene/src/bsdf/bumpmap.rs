@@ -1,11 +1,11 @@
 //! `bumpmap`: a material on a surface whose normals follow a height map.
 
-use super::inputs::nested;
 use super::normalmap::{FLIP_INVALID_NORMALS, Perturbation, USE_SHADOWING_FUNCTION};
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::{MaterialId, TextureId};
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::nested;
 use crate::texture::Texture;
 use etendue_document::{Fault, Parameters};
 use glam::Vec3;
@@ -35,7 +35,7 @@ pub struct BumpMap {
     height: TextureId,
     scale: f32,
     perturbation: Perturbation,
-    pub(super) nested: MaterialId,
+    pub(crate) nested: MaterialId,
 }
 
 /// Reads the parameters.
@@ -83,7 +83,7 @@ impl BumpMap {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same, surface};
+    use crate::testing::material::{TestMaterial, assert_finds, assert_same, surface};
     use crate::texture::Texture;
     use crate::texture::bitmap::{BitmapOptions, BitmapTexture};
     use etendue_document::{Fault, Severity};

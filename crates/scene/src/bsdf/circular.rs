@@ -1,10 +1,10 @@
 //! `circular`: an ideal circular polarizer, as unpolarised light meets it.
 
-use super::inputs::reflectance;
 use super::null::Null;
 use super::polarizer::{SHARE, TRANSMITTANCE};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::reflectance;
 use etendue_document::Parameters;
 
 /// The manual page.
@@ -32,7 +32,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<N
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::assert_same;
+    use crate::testing::material::assert_same;
 
     #[test]
     fn it_is_a_linear_polarizer_to_unpolarised_light() {

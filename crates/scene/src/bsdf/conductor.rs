@@ -1,11 +1,12 @@
 //! `conductor`: a smooth metal.
 
-use super::inputs::{MetalIndex, reflectance};
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
-use super::{Transport, fresnel};
+use super::Transport;
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::manual::{Manual, ParameterManual, parameter};
+use crate::models::bsdf_inputs::{MetalIndex, reflectance};
+use crate::models::fresnel;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -13,28 +14,28 @@ use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
 /// The parameters of the complex index, which the rough metal has too.
-pub(super) const MATERIAL: ParameterManual = parameter(
+pub(crate) const MATERIAL: ParameterManual = parameter(
     "material",
     "string",
     "none",
     "A measured metal, such as `Au`, `Ag`, `Al`, `Cu`; `none` is a perfect mirror.",
 );
 /// See [`MATERIAL`].
-pub(super) const ETA: ParameterManual = parameter(
+pub(crate) const ETA: ParameterManual = parameter(
     "eta",
     "spectrum or texture",
     "",
     "The real part of the index of refraction, instead of a `material`.",
 );
 /// See [`MATERIAL`].
-pub(super) const K: ParameterManual = parameter(
+pub(crate) const K: ParameterManual = parameter(
     "k",
     "spectrum or texture",
     "",
     "The imaginary part of the index of refraction, instead of a `material`.",
 );
 /// See [`MATERIAL`].
-pub(super) const EXT_ETA: ParameterManual = parameter(
+pub(crate) const EXT_ETA: ParameterManual = parameter(
     "ext_eta",
     "float or string",
     "",
@@ -42,7 +43,7 @@ pub(super) const EXT_ETA: ParameterManual = parameter(
      divided by it. Vacuum where it is not given.",
 );
 /// The factor on the reflection that most materials have.
-pub(super) const SPECULAR_REFLECTANCE: ParameterManual = parameter(
+pub(crate) const SPECULAR_REFLECTANCE: ParameterManual = parameter(
     "specular_reflectance",
     "spectrum or texture",
     "1",
@@ -87,7 +88,7 @@ impl Conductor {
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.index.is_uniform() && self.specular_reflectance.is_constant()
     }
 }
@@ -103,7 +104,7 @@ pub struct ConductorClosure<R = f32> {
 impl<R: Real> ConductorClosure<R> {
     /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(
+    pub(crate) fn transfer<T: Real>(
         self,
         numbers: &mut impl Transfer<R, T>,
     ) -> ConductorClosure<T> {
@@ -160,8 +161,8 @@ impl HitClosure for ConductorClosure {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
     use crate::bsdf::{Lobe, Transport};
+    use crate::testing::material::{TestMaterial, assert_finds, assert_same};
     use etendue_document::{Fault, Severity};
     use glam::{Vec2, Vec3};
 

@@ -1,12 +1,13 @@
 //! `dielectric`: smooth glass, water, and other clear matter.
 
+use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
-use super::inputs::{reflectance, relative_index};
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
-use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::manual::{Manual, ParameterManual, parameter};
+use crate::models::bsdf_inputs::{reflectance, relative_index};
+use crate::models::fresnel;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -14,21 +15,21 @@ use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
 /// The index on the back, for the materials whose default is glass.
-pub(super) const INT_IOR: ParameterManual = parameter(
+pub(crate) const INT_IOR: ParameterManual = parameter(
     "int_ior",
     "float or string",
     "bk7",
     "The index of refraction inside: a number, or a name such as `water`, `bk7` or `diamond`.",
 );
 /// The index on the side of the normal.
-pub(super) const EXT_IOR: ParameterManual = parameter(
+pub(crate) const EXT_IOR: ParameterManual = parameter(
     "ext_ior",
     "float or string",
     "air",
     "The index of refraction outside, on the side of the normal.",
 );
 /// The factor on the transmission.
-pub(super) const SPECULAR_TRANSMITTANCE: ParameterManual = parameter(
+pub(crate) const SPECULAR_TRANSMITTANCE: ParameterManual = parameter(
     "specular_transmittance",
     "spectrum or texture",
     "1",
@@ -80,7 +81,7 @@ impl Dielectric {
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.specular_reflectance.is_constant() && self.specular_transmittance.is_constant()
     }
 }
@@ -96,7 +97,7 @@ pub struct DielectricClosure<R = f32> {
 impl<R: Real> DielectricClosure<R> {
     /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(
+    pub(crate) fn transfer<T: Real>(
         self,
         numbers: &mut impl Transfer<R, T>,
     ) -> DielectricClosure<T> {
@@ -160,7 +161,7 @@ impl HitClosure for DielectricClosure {
 /// as on that of `wo`. Radiance over the squared index is what light keeps (Veach's thesis, 1997,
 /// section 5.2).
 #[inline(always)]
-pub(super) fn radiance_scale<R: Real>(eta_ti: R, transport: Transport) -> R {
+pub(crate) fn radiance_scale<R: Real>(eta_ti: R, transport: Transport) -> R {
     match transport {
         Transport::Radiance => eta_ti * eta_ti,
         Transport::Importance => eta_ti.like(1.0),
@@ -169,8 +170,8 @@ pub(super) fn radiance_scale<R: Real>(eta_ti: R, transport: Transport) -> R {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
     use crate::bsdf::{Lobe, Transport};
+    use crate::testing::material::{TestMaterial, assert_finds, assert_same};
     use etendue_document::{Fault, Severity};
     use glam::{Vec2, Vec3};
 

@@ -1,11 +1,11 @@
 //! `diffuse`: the ideal matt surface.
 
 use super::Transport;
-use super::inputs::reflectance;
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::reflectance;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -59,7 +59,7 @@ impl Diffuse {
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.reflectance.is_constant()
     }
 }
@@ -73,7 +73,7 @@ pub struct DiffuseClosure<R = f32> {
 impl<R: Real> DiffuseClosure<R> {
     /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> DiffuseClosure<T> {
+    pub(crate) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> DiffuseClosure<T> {
         DiffuseClosure { reflectance: numbers.spectrum(self.reflectance) }
     }
 }
@@ -120,7 +120,7 @@ impl HitClosure for DiffuseClosure {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::{assert_finds, assert_same};
+    use crate::testing::material::{assert_finds, assert_same};
     use etendue_document::{Fault, Severity};
 
     #[test]

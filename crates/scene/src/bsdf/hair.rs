@@ -1,11 +1,12 @@
 //! `hair`: light that meets a hair, and leaves it after any number of bounces inside.
 
 use super::dielectric::EXT_IOR;
-use super::inputs::rough_relative_index;
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::{BsdfSample, Closure, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::rough_relative_index;
+use crate::models::fresnel;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::{Fault, Parameters};
 use etendue_math::safe_sqrt;
@@ -366,7 +367,7 @@ impl Closure for HairClosure<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::testing::{TestMaterial, assert_finds};
+    use crate::testing::material::{TestMaterial, assert_finds};
     use etendue_document::Severity;
     use etendue_testkit::quadrature::integrate_gauss;
 

@@ -1,10 +1,10 @@
 //! `mask`: a material with holes.
 
-use super::inputs::{fraction, limited, nested};
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::{fraction, limited, nested};
 use crate::texture::ScalarSource;
 use etendue_document::Parameters;
 
@@ -50,7 +50,7 @@ impl Mask {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
+    use crate::testing::material::{TestMaterial, assert_finds, assert_same};
     use crate::texture::Texture;
     use etendue_document::{Fault, Severity};
     use etendue_spectrum::Spectrum;

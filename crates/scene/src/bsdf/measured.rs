@@ -4,10 +4,11 @@ mod data;
 mod grids;
 mod tensor_file;
 
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::{BsdfSample, Closure, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use crate::models::fresnel;
 use crate::texture::Textures;
 use data::{Measurement, Symmetry, place};
 use etendue_document::{Fault, Parameters};

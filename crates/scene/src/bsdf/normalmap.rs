@@ -1,10 +1,10 @@
 //! `normalmap`: a material on a surface whose normals come from a picture.
 
-use super::inputs::nested;
 use super::{Bsdf, Gather, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, ParameterManual, parameter};
+use crate::models::bsdf_inputs::nested;
 use crate::texture::ColorSource;
 use etendue_document::{Fault, Parameters};
 use etendue_math::Frame;
@@ -12,7 +12,7 @@ use etendue_spectrum::SpectrumUse;
 use glam::Vec3;
 
 /// What to do where the tilted normal faces away.
-pub(super) const FLIP_INVALID_NORMALS: ParameterManual = parameter(
+pub(crate) const FLIP_INVALID_NORMALS: ParameterManual = parameter(
     "flip_invalid_normals",
     "boolean",
     "true",
@@ -20,7 +20,7 @@ pub(super) const FLIP_INVALID_NORMALS: ParameterManual = parameter(
      be black without.",
 );
 /// Whether the terminator is softened.
-pub(super) const USE_SHADOWING_FUNCTION: ParameterManual = parameter(
+pub(crate) const USE_SHADOWING_FUNCTION: ParameterManual = parameter(
     "use_shadowing_function",
     "boolean",
     "true",
@@ -50,7 +50,7 @@ pub const MANUAL: Manual = Manual {
 pub struct NormalMap {
     map: ColorSource,
     perturbation: Perturbation,
-    pub(super) nested: MaterialId,
+    pub(crate) nested: MaterialId,
 }
 
 /// Reads the parameters.
@@ -78,7 +78,7 @@ impl NormalMap {
 
 /// What bump and normal maps do with the normal that they found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Perturbation {
+pub(crate) struct Perturbation {
     facing: Facing,
     shadowing: Shadowing,
 }
@@ -104,7 +104,7 @@ enum Shadowing {
 
 impl Perturbation {
     /// Reads the parameters that both maps have.
-    pub(super) fn read(parameters: &Parameters<'_>) -> Self {
+    pub(crate) fn read(parameters: &Parameters<'_>) -> Self {
         let facing = match parameters.boolean("flip_invalid_normals", true) {
             true => Facing::Flipped,
             false => Facing::Kept,
@@ -118,7 +118,7 @@ impl Perturbation {
 
     /// `placement` turned so that its z axis is `normal`, which is in its coordinates and of any
     /// length. `wi` is in shading coordinates.
-    pub(super) fn place(&self, normal: Vec3, wi: Vec3, placement: Placement) -> Placement {
+    pub(crate) fn place(&self, normal: Vec3, wi: Vec3, placement: Placement) -> Placement {
         let wi = placement.to_closure(wi);
         let away = wi.z * wi.dot(normal) <= 0.0;
         let normal = match self.facing {
@@ -138,7 +138,7 @@ impl Perturbation {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
+    use crate::testing::material::{TestMaterial, assert_finds, assert_same};
     use etendue_document::{Fault, Severity};
     use glam::Vec3;
 

@@ -90,8 +90,8 @@ impl Closure for NullClosure {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::TestMaterial;
     use crate::bsdf::{Lobe, Transport};
+    use crate::testing::material::TestMaterial;
     use etendue_spectrum::Spectrum;
     use glam::{Vec2, Vec3};
 

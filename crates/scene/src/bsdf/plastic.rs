@@ -1,16 +1,17 @@
 //! `plastic`: a smooth clear coat over a matt base.
 
+use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::EXT_IOR;
-use super::inputs::{
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::manual::{Manual, ParameterManual, parameter};
+use crate::models::bsdf_inputs::{
     ColorShift, coated_base, internal_diffuse_reflectance, reflectance, relative_index,
     specular_probability,
 };
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
-use super::{Transport, fresnel};
-use crate::builder::Builder;
-use crate::interaction::SurfaceInteraction;
-use crate::manual::{Manual, ParameterManual, parameter};
+use crate::models::fresnel;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -19,21 +20,21 @@ use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
 /// The matt base, which the rough coat has too.
-pub(super) const DIFFUSE_REFLECTANCE: ParameterManual = parameter(
+pub(crate) const DIFFUSE_REFLECTANCE: ParameterManual = parameter(
     "diffuse_reflectance",
     "spectrum or texture",
     "0.5",
     "The share of light that the base under the coat scatters.",
 );
 /// The index of the coat.
-pub(super) const INT_IOR: ParameterManual = parameter(
+pub(crate) const INT_IOR: ParameterManual = parameter(
     "int_ior",
     "float or string",
     "polypropylene",
     "The index of refraction of the coat: a number, or a name.",
 );
 /// What scattering inside does to colours.
-pub(super) const NONLINEAR: ParameterManual = parameter(
+pub(crate) const NONLINEAR: ParameterManual = parameter(
     "nonlinear",
     "boolean",
     "false",
@@ -92,7 +93,7 @@ impl Plastic {
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.diffuse_reflectance.is_constant() && self.specular_reflectance.is_constant()
     }
 }
@@ -112,7 +113,7 @@ pub struct PlasticClosure<R = f32> {
 impl<R: Real> PlasticClosure<R> {
     /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> PlasticClosure<T> {
+    pub(crate) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> PlasticClosure<T> {
         PlasticClosure {
             base: numbers.spectrum(self.base),
             reflectance: numbers.spectrum(self.reflectance),
@@ -210,7 +211,7 @@ impl HitClosure for PlasticClosure {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::TestMaterial;
+    use crate::testing::material::TestMaterial;
     use glam::Vec3;
 
     #[test]

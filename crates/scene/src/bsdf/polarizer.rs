@@ -1,13 +1,13 @@
 //! `polarizer`: an ideal linear polarizer, as unpolarised light meets it.
 
-use super::inputs::reflectance;
 use super::null::Null;
 use crate::builder::Builder;
 use crate::manual::{Manual, ParameterManual, parameter};
+use crate::models::bsdf_inputs::reflectance;
 use etendue_document::Parameters;
 
 /// The parameter that all filters for polarised light have.
-pub(super) const TRANSMITTANCE: ParameterManual = parameter(
+pub(crate) const TRANSMITTANCE: ParameterManual = parameter(
     "transmittance",
     "spectrum or texture",
     "1",
@@ -16,7 +16,7 @@ pub(super) const TRANSMITTANCE: ParameterManual = parameter(
 
 /// The share of unpolarised light that an ideal polarizer lets through (Malus' law, averaged over all
 /// angles).
-pub(super) const SHARE: f32 = 0.5;
+pub(crate) const SHARE: f32 = 0.5;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -54,7 +54,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<N
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::{TestMaterial, assert_same};
+    use crate::testing::material::{TestMaterial, assert_same};
     use etendue_spectrum::Spectrum;
     use glam::Vec3;
 

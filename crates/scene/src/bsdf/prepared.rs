@@ -1,6 +1,5 @@
 //! From a material and a hit to a resolved [`Bsdf`].
 
-use super::coat::CoatTable;
 use super::{
     BsdfSample, Closure, LaneMaterial, Lobe, Transport, blendbsdf, bumpmap, conductor, dielectric,
     diffuse, hair, mask, measured, normalmap, null, plastic, principled, principledthin,
@@ -8,6 +7,7 @@ use super::{
 };
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
+use crate::models::coat::CoatTable;
 use crate::texture::Textures;
 use etendue_math::Frame;
 use etendue_spectrum::Spectrum;

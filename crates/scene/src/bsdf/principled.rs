@@ -1,15 +1,16 @@
 //! `principled`: Disney's material, from metal over plastic to glass.
 
 use super::dielectric::radiance_scale;
-use super::disney::{
-    ANISOTROPIC, BASE_COLOR, Base, BaseParameters, CoatNormals, FLATNESS, ROUGHNESS, SHEEN,
-    SHEEN_TINT, SPEC_TINT, normal_reflectance, sampling_rate, schlick, share_at, strength,
-};
-use super::inputs::{fraction, limited};
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::{BsdfSample, Closure, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::{fraction, limited};
+use crate::models::disney::{
+    ANISOTROPIC, BASE_COLOR, Base, BaseParameters, CoatNormals, FLATNESS, ROUGHNESS, SHEEN,
+    SHEEN_TINT, SPEC_TINT, normal_reflectance, sampling_rate, schlick, share_at, strength,
+};
+use crate::models::fresnel;
 use crate::texture::{ScalarSource, Textures};
 use etendue_document::{Fault, Parameters};
 use etendue_sampling::warp::cosine_hemisphere;
@@ -124,7 +125,7 @@ fn relative_index(parameters: &Parameters<'_>, transmits: bool) -> f32 {
 impl Principled {
     /// Whether light may pass the surface.
     #[must_use]
-    pub(super) fn transmits(&self) -> bool {
+    pub(crate) fn transmits(&self) -> bool {
         self.base.transmits()
     }
 
@@ -396,7 +397,7 @@ impl Closure for PrincipledClosure<'_> {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::{TestMaterial, assert_finds, assert_same};
+    use crate::testing::material::{TestMaterial, assert_finds, assert_same};
     use etendue_document::{Fault, Severity};
     use glam::Vec3;
 

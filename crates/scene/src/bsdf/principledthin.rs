@@ -1,15 +1,16 @@
 //! `principledthin`: Disney's material for sheets: leaves, paper, curtains.
 
-use super::disney::{
-    ANISOTROPIC, BASE_COLOR, Base, BaseParameters, FLATNESS, ROUGHNESS, SHEEN, SHEEN_TINT,
-    SPEC_TINT, normal_reflectance, sampling_rate, schlick,
-};
-use super::inputs::{limited, scalar_within};
-use super::microfacet::Microfacets;
-use super::{BsdfSample, Closure, Lobe, Transport, fresnel};
+use super::{BsdfSample, Closure, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::{limited, scalar_within};
+use crate::models::disney::{
+    ANISOTROPIC, BASE_COLOR, Base, BaseParameters, FLATNESS, ROUGHNESS, SHEEN, SHEEN_TINT,
+    SPEC_TINT, normal_reflectance, sampling_rate, schlick,
+};
+use crate::models::fresnel;
+use crate::models::microfacet::Microfacets;
 use crate::texture::{ScalarSource, Textures};
 use etendue_document::Parameters;
 use etendue_sampling::warp::cosine_hemisphere;
@@ -306,7 +307,7 @@ impl Closure for PrincipledThinClosure<'_> {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::TestMaterial;
+    use crate::testing::material::TestMaterial;
     use etendue_testkit::TestRng;
 
     #[test]

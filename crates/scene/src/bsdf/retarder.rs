@@ -1,10 +1,10 @@
 //! `retarder`: an ideal linear retarder (a wave plate), as unpolarised light meets it.
 
-use super::inputs::reflectance;
 use super::null::Null;
 use super::polarizer::TRANSMITTANCE;
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::reflectance;
 use etendue_document::Parameters;
 
 /// The manual page.
@@ -39,7 +39,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<N
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::assert_same;
+    use crate::testing::material::assert_same;
 
     #[test]
     fn a_clear_plate_is_nothing_to_unpolarised_light() {

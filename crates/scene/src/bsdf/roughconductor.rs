@@ -1,13 +1,14 @@
 //! `roughconductor`: a rough metal, made of microfacets.
 
+use super::Transport;
 use super::conductor::{ETA, EXT_ETA, K, MATERIAL, SPECULAR_REFLECTANCE};
-use super::inputs::{MetalIndex, Roughness, reflectance};
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
-use super::microfacet::{Distribution, Microfacets};
-use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::manual::{Manual, ParameterManual, parameter};
+use crate::models::bsdf_inputs::{MetalIndex, Roughness, reflectance};
+use crate::models::fresnel;
+use crate::models::microfacet::{Distribution, Microfacets};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -15,7 +16,7 @@ use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
 /// The parameters of the roughness, which the other rough materials have too.
-pub(super) const ALPHA: ParameterManual = parameter(
+pub(crate) const ALPHA: ParameterManual = parameter(
     "alpha",
     "float or texture",
     "0.1",
@@ -23,20 +24,20 @@ pub(super) const ALPHA: ParameterManual = parameter(
      distribution it is √2 times the root mean square of the slope.",
 );
 /// See [`ALPHA`].
-pub(super) const ALPHA_U: ParameterManual =
+pub(crate) const ALPHA_U: ParameterManual =
     parameter("alpha_u", "float or texture", "", "The roughness along the tangent.");
 /// See [`ALPHA`].
-pub(super) const ALPHA_V: ParameterManual =
+pub(crate) const ALPHA_V: ParameterManual =
     parameter("alpha_v", "float or texture", "", "The roughness along the bitangent.");
 /// See [`ALPHA`].
-pub(super) const DISTRIBUTION: ParameterManual = parameter(
+pub(crate) const DISTRIBUTION: ParameterManual = parameter(
     "distribution",
     "string",
     "beckmann",
     "How microfacet normals are distributed: `beckmann` or `ggx`.",
 );
 /// See [`ALPHA`].
-pub(super) const SAMPLE_VISIBLE: ParameterManual = parameter(
+pub(crate) const SAMPLE_VISIBLE: ParameterManual = parameter(
     "sample_visible",
     "boolean",
     "true",
@@ -102,14 +103,14 @@ impl RoughConductor {
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.index.is_uniform()
             && self.specular_reflectance.is_constant()
             && self.roughness.is_uniform()
     }
 
     /// The distribution of its normals where visible ones are sampled.
-    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
         self.roughness.visible_distribution()
     }
 }
@@ -125,7 +126,7 @@ pub struct RoughConductorClosure<R = f32> {
 
 impl RoughConductorClosure {
     /// One that reflects nothing.
-    pub(super) fn black(distribution: Distribution) -> Self {
+    pub(crate) fn black(distribution: Distribution) -> Self {
         let [eta, k, specular] = Default::default();
         Self { eta, k, specular, microfacets: Microfacets::visible(distribution) }
     }
@@ -134,7 +135,7 @@ impl RoughConductorClosure {
 impl<R: Real> RoughConductorClosure<R> {
     /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(
+    pub(crate) fn transfer<T: Real>(
         self,
         numbers: &mut impl Transfer<R, T>,
     ) -> RoughConductorClosure<T> {
@@ -220,7 +221,7 @@ impl HitClosure for RoughConductorClosure {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::{assert_finds, assert_same};
+    use crate::testing::material::{assert_finds, assert_same};
     use etendue_document::{Fault, Severity};
 
     #[test]

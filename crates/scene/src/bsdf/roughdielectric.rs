@@ -1,15 +1,16 @@
 //! `roughdielectric`: frosted glass, made of microfacets.
 
+use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE, radiance_scale};
-use super::inputs::{Roughness, reflectance, rough_relative_index};
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
-use super::microfacet::{Distribution, Microfacets, NormalSampling};
 use super::roughconductor::{ALPHA, ALPHA_U, ALPHA_V, DISTRIBUTION, SAMPLE_VISIBLE};
-use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::manual::Manual;
+use crate::models::bsdf_inputs::{Roughness, reflectance, rough_relative_index};
+use crate::models::fresnel;
+use crate::models::microfacet::{Distribution, Microfacets, NormalSampling};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -75,14 +76,14 @@ impl RoughDielectric {
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.specular_reflectance.is_constant()
             && self.specular_transmittance.is_constant()
             && self.roughness.is_uniform()
     }
 
     /// The distribution of its normals where visible ones are sampled.
-    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
         self.roughness.visible_distribution()
     }
 }
@@ -123,7 +124,7 @@ impl<R: Real> Share<R> {
 
 impl RoughDielectricClosure {
     /// One that scatters nothing.
-    pub(super) fn black(distribution: Distribution) -> Self {
+    pub(crate) fn black(distribution: Distribution) -> Self {
         let [reflectance, transmittance] = Default::default();
         let microfacets = Microfacets::visible(distribution);
         Self { reflectance, transmittance, eta: 1.0, microfacets }
@@ -133,7 +134,7 @@ impl RoughDielectricClosure {
 impl<R: Real> RoughDielectricClosure<R> {
     /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(
+    pub(crate) fn transfer<T: Real>(
         self,
         numbers: &mut impl Transfer<R, T>,
     ) -> RoughDielectricClosure<T> {
@@ -295,7 +296,7 @@ impl HitClosure for RoughDielectricClosure {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::{TestMaterial, assert_finds};
+    use crate::testing::material::{TestMaterial, assert_finds};
     use etendue_document::{Fault, Severity};
     use etendue_testkit::TestRng;
 

@@ -1,10 +1,10 @@
 //! `roughdiffuse`: a rough matt surface.
 
-use super::inputs::{limited, reflectance, scalar_within};
 use super::{BsdfSample, Closure, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::{limited, reflectance, scalar_within};
 use crate::texture::{ColorSource, ScalarSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::safe_acos;
@@ -220,7 +220,7 @@ impl Closure for RoughDiffuseClosure {
 #[cfg(test)]
 mod tests {
     use crate::bsdf::Transport;
-    use crate::bsdf::testing::TestMaterial;
+    use crate::testing::material::TestMaterial;
     use etendue_testkit::TestRng;
     use glam::Vec3;
 

@@ -1,20 +1,21 @@
 //! `roughplastic`: a rough clear coat over a matt base.
 
-use super::coat::{Coat, CoatTable, Coats};
+use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::EXT_IOR;
-use super::inputs::{
+use super::plastic::{DIFFUSE_REFLECTANCE, INT_IOR, NONLINEAR};
+use super::roughconductor::{ALPHA, DISTRIBUTION, SAMPLE_VISIBLE};
+use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::manual::{Manual, ParameterManual};
+use crate::models::bsdf_inputs::{
     ColorShift, coated_base, distribution, reflectance, rough_relative_index, scalar_within,
     specular_probability,
 };
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
-use super::microfacet::{Distribution, Microfacets};
-use super::plastic::{DIFFUSE_REFLECTANCE, INT_IOR, NONLINEAR};
-use super::roughconductor::{ALPHA, DISTRIBUTION, SAMPLE_VISIBLE};
-use super::{Transport, fresnel};
-use crate::builder::Builder;
-use crate::interaction::SurfaceInteraction;
-use crate::manual::{Manual, ParameterManual};
+use crate::models::coat::{Coat, CoatTable, Coats};
+use crate::models::fresnel;
+use crate::models::microfacet::{Distribution, Microfacets};
 use crate::texture::{ColorSource, ScalarSource, Textures};
 use etendue_document::{Fault, Parameters};
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -90,7 +91,7 @@ impl RoughPlastic {
     /// Reads the textures at a hit.
     #[inline]
     #[must_use]
-    pub(super) fn resolve(
+    pub(crate) fn resolve(
         &self,
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
@@ -109,24 +110,24 @@ impl RoughPlastic {
 
     /// What the coat lets through.
     #[inline(always)]
-    pub(super) fn coat(&self) -> &CoatTable {
+    pub(crate) fn coat(&self) -> &CoatTable {
         &self.table
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.diffuse_reflectance.is_constant() && self.specular_reflectance.is_constant()
     }
 
     /// The distribution of its normals where visible ones are sampled.
-    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
         self.microfacets.visible_distribution()
     }
 }
 
 /// A resolved rough coat over a matt base. `C` tells what it lets through.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RoughPlasticClosure<C, R = f32> {
+pub(crate) struct RoughPlasticClosure<C, R = f32> {
     /// The base's reflectance with the light thrown back, over the squared index.
     base: SpectrumLanes<R>,
     /// The base's reflectance alone, which weighs the choice of lobes.
@@ -139,7 +140,7 @@ pub(super) struct RoughPlasticClosure<C, R = f32> {
 
 impl RoughPlasticClosure<&CoatTable> {
     /// One that reflects nothing.
-    pub(super) fn black(distribution: Distribution) -> Self {
+    pub(crate) fn black(distribution: Distribution) -> Self {
         let [base, reflectance, specular] = Default::default();
         let microfacets = Microfacets::visible(distribution);
         Self { base, reflectance, specular, microfacets, eta: 1.0, coat: &CoatTable::BLACK }
@@ -149,7 +150,7 @@ impl RoughPlasticClosure<&CoatTable> {
 impl<C, R: Real> RoughPlasticClosure<C, R> {
     /// The same closure with its numbers passed on, in lanes or out of them, and its coat replaced.
     #[inline(always)]
-    pub(super) fn transfer<D, T: Real>(
+    pub(crate) fn transfer<D, T: Real>(
         self,
         numbers: &mut impl Transfer<R, T>,
         coat: D,
@@ -256,7 +257,7 @@ impl HitClosure for RoughPlasticClosure<&CoatTable> {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::{TestMaterial, assert_finds};
+    use crate::testing::material::{TestMaterial, assert_finds};
     use crate::texture::Texture;
     use etendue_document::{Fault, Severity};
     use glam::Vec3;

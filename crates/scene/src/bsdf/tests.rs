@@ -5,7 +5,7 @@ mod hostile;
 mod mitsuba;
 mod statistics;
 
-use super::testing::TestMaterial;
+use crate::testing::material::TestMaterial;
 use glam::{Vec2, Vec3};
 
 /// A material and what is expected of it.

@@ -1,13 +1,14 @@
 //! `thindielectric`: a pane of glass without thickness.
 
+use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE};
-use super::inputs::{reflectance, relative_index};
-use super::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
-use super::{Transport, fresnel};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
 use crate::manual::Manual;
+use crate::models::bsdf_inputs::{reflectance, relative_index};
+use crate::models::fresnel;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -58,7 +59,7 @@ impl ThinDielectric {
     }
 
     /// Whether the closure is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.specular_reflectance.is_constant() && self.specular_transmittance.is_constant()
     }
 }
@@ -74,7 +75,7 @@ pub struct ThinDielectricClosure<R = f32> {
 impl<R: Real> ThinDielectricClosure<R> {
     /// The same closure with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(
+    pub(crate) fn transfer<T: Real>(
         self,
         numbers: &mut impl Transfer<R, T>,
     ) -> ThinDielectricClosure<T> {
@@ -146,8 +147,8 @@ impl HitClosure for ThinDielectricClosure {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::TestMaterial;
     use crate::bsdf::{Lobe, Transport};
+    use crate::testing::material::TestMaterial;
     use glam::{Vec2, Vec3};
 
     #[test]

@@ -1,10 +1,10 @@
 //! `twosided`: a material on both sides of a surface.
 
-use super::inputs::nested;
 use super::{Bsdf, Gather, Material, Placement};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
+use crate::models::bsdf_inputs::nested;
 use etendue_document::{Fault, Parameters};
 use glam::Vec3;
 
@@ -94,7 +94,7 @@ impl TwoSided {
 
 #[cfg(test)]
 mod tests {
-    use crate::bsdf::testing::assert_finds;
+    use crate::testing::material::assert_finds;
     use etendue_document::{Fault, Severity};
 
     #[test]

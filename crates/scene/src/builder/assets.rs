@@ -1,8 +1,8 @@
 //! Files: found, read, hashed and decoded, several at once.
 
+use crate::models::mesh::{Mesh, MeshOptions};
 use crate::registry::{self, find};
 use crate::shape::Geometry;
-use crate::shape::mesh::{Mesh, MeshOptions};
 use crate::texture::{Texture, bitmap};
 use etendue_document::{
     Class, Diagnostic, Diagnostics, Document, Fault, NodeId, NotFound, Parameters, ResourceError,

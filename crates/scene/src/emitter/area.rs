@@ -1,14 +1,14 @@
 //! `area`: a shape that glows.
 
-use super::lanes::{LightLanes, TargetLanes};
 use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{LightLanes, TargetLanes};
 use crate::manual::{Manual, parameter};
+use crate::models::mesh::{Glow, LightPoint, Mesh, Parallelogram, ParallelogramBatch};
 use crate::scene::Scene;
 use crate::shape::area_to_solid_angle_lanes;
-use crate::shape::mesh::{Glow, LightPoint, Mesh, Parallelogram, ParallelogramBatch};
 use crate::texture::{ColorSource, Texture};
 use etendue_document::Parameters;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
@@ -59,7 +59,7 @@ fn towards<R: Real>(
 
 /// The light of a point that was chosen, as [`Area::sample_direction`].
 #[inline(always)]
-pub(super) fn light_from<R: Real>(
+pub(crate) fn light_from<R: Real>(
     place: LightPoint<R>,
     radiance: SpectrumLanes<R>,
     reference: Vector3<R>,
@@ -80,15 +80,15 @@ pub(super) fn light_from<R: Real>(
 
 /// A flat parallelogram that glows evenly, or one for each lane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ParallelogramLight<R> {
-    pub(super) shape: Parallelogram<R>,
-    pub(super) radiance: SpectrumLanes<R>,
+pub(crate) struct ParallelogramLight<R> {
+    pub(crate) shape: Parallelogram<R>,
+    pub(crate) radiance: SpectrumLanes<R>,
 }
 
 impl<R: Real> ParallelogramLight<R> {
     /// As [`Area::sample_direction`].
     #[inline(always)]
-    pub(super) fn sample_direction(
+    pub(crate) fn sample_direction(
         &self,
         reference: Vector3<R>,
         random: Vector2<R>,
@@ -100,7 +100,7 @@ impl<R: Real> ParallelogramLight<R> {
 impl ParallelogramLight<f32> {
     /// The same in all lanes.
     #[inline(always)]
-    pub(super) fn splat<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
+    pub(crate) fn splat<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
         ParallelogramLight {
             shape: self.shape.splat(simd),
             radiance: SpectrumLanes::splat(simd, self.radiance.into()),
@@ -110,7 +110,7 @@ impl ParallelogramLight<f32> {
 
 /// A panel for each lane, side by side in memory.
 #[derive(Debug, Default)]
-pub(super) struct ParallelogramLightBatch {
+pub(crate) struct ParallelogramLightBatch {
     shape: ParallelogramBatch,
     radiance: [LaneArray; Spectrum::LANES],
 }
@@ -118,20 +118,20 @@ pub(super) struct ParallelogramLightBatch {
 impl ParallelogramLightBatch {
     /// Puts a panel in a lane.
     #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, panel: &ParallelogramLight<f32>) {
+    pub(crate) fn set(&mut self, lane: usize, panel: &ParallelogramLight<f32>) {
         self.shape.set(lane, &panel.shape);
         self.set_radiance(lane, panel.radiance.into());
     }
 
     /// Puts radiance in a lane that has no panel.
     #[inline(always)]
-    pub(super) fn set_radiance(&mut self, lane: usize, radiance: Spectrum) {
+    pub(crate) fn set_radiance(&mut self, lane: usize, radiance: Spectrum) {
         SpectrumLanes::from(radiance).put(&mut self.radiance, lane);
     }
 
     /// The panels of the first lanes.
     #[inline(always)]
-    pub(super) fn load<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
+    pub(crate) fn load<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
         ParallelogramLight {
             shape: self.shape.load(simd),
             radiance: SpectrumLanes::load(simd, &self.radiance, 0),
@@ -142,7 +142,7 @@ impl ParallelogramLightBatch {
 impl Area {
     /// The radiance that leaves towards `surface.wi`: none at the back.
     #[inline]
-    pub(super) fn radiance(&self, scene: &Scene, surface: &SurfaceInteraction) -> Spectrum {
+    pub(crate) fn radiance(&self, scene: &Scene, surface: &SurfaceInteraction) -> Spectrum {
         if surface.wi.z <= 0.0 {
             return Spectrum::ZERO;
         }
@@ -159,12 +159,12 @@ impl Area {
     }
 
     /// The shape and what it sends out.
-    pub(super) fn source(&self) -> (ShapeId, ColorSource) {
+    pub(crate) fn source(&self) -> (ShapeId, ColorSource) {
         (self.shape, self.radiance)
     }
 
     #[inline(always)]
-    pub(super) fn sample_direction(
+    pub(crate) fn sample_direction(
         &self,
         scene: &Scene,
         reference: Vec3,
@@ -198,7 +198,7 @@ impl Area {
     }
 
     #[inline]
-    pub(super) fn pdf_direction(
+    pub(crate) fn pdf_direction(
         &self,
         scene: &Scene,
         reference: Vec3,

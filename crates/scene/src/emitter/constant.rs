@@ -1,8 +1,8 @@
 //! `constant`: the same light from everywhere afar.
 
-use super::lanes::{LightLanes, TargetLanes};
 use super::{DirectionSample, SAMPLING_WEIGHT, Target};
 use crate::builder::Builder;
+use crate::lanes::{LightLanes, TargetLanes};
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -34,7 +34,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<C
 
 /// Light from everywhere, as [`Constant::sample_direction`] over any [`Real`].
 #[inline(always)]
-pub(super) fn light_from_everywhere<R: Real>(
+pub(crate) fn light_from_everywhere<R: Real>(
     radiance: SpectrumLanes<R>,
     random: Vector2<R>,
 ) -> LightLanes<R> {
@@ -55,11 +55,11 @@ pub(super) fn light_from_everywhere<R: Real>(
 const DENSITY: f32 = 1.0 / (4.0 * PI);
 
 impl Constant {
-    pub(super) fn radiance(&self) -> Spectrum {
+    pub(crate) fn radiance(&self) -> Spectrum {
         self.radiance
     }
 
-    pub(super) fn sample_direction(&self, random: Vec2) -> DirectionSample {
+    pub(crate) fn sample_direction(&self, random: Vec2) -> DirectionSample {
         DirectionSample {
             direction: warp::uniform_sphere::sample(random),
             radiance: self.radiance,
@@ -69,7 +69,7 @@ impl Constant {
         }
     }
 
-    pub(super) fn pdf_direction(&self) -> f32 {
+    pub(crate) fn pdf_direction(&self) -> f32 {
         DENSITY
     }
 }

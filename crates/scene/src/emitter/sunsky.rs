@@ -336,7 +336,7 @@ fn map(direction: Vec3) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::{Class, Value};
 
     fn node() -> TestNode {

@@ -132,7 +132,7 @@ fn fit_pixel_format(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::Class;
 
     fn node() -> TestNode {

@@ -118,7 +118,7 @@ fn read_display(parameters: &Parameters<'_>) -> Display {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::Class;
 
     fn node() -> TestNode {

@@ -1,9 +1,9 @@
 //! `heterogeneous`: a medium that differs from place to place.
 
-use super::majorants::{Majorants, Tracker};
 use super::{ALBEDO, Common, Density, Medium, PHASE, SAMPLE_EMITTERS, SCALE, read_extinction};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
+use crate::models::majorants::{Majorants, Tracker};
 use crate::volume::Volume;
 use etendue_document::{Fault, Parameters};
 use etendue_math::Ray;

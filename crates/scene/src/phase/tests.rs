@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::builder::{Assets, BuildOptions, Builder};
-use crate::volume::grid_file::tests::file;
+use crate::models::grid_file::tests::file;
 use etendue_document::{Class, Diagnostics, MemoryResources};
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_testkit::ChiSquare;

@@ -31,9 +31,9 @@ pub const MANUAL: Manual = Manual {
 /// Several sensors.
 #[derive(Clone, Debug)]
 pub struct Batch {
-    pub(super) common: SensorCommon,
+    pub(crate) common: SensorCommon,
     /// One or more, from the left.
-    pub(super) sensors: Vec<Sensor>,
+    pub(crate) sensors: Vec<Sensor>,
 }
 
 /// Reads the sensors.
@@ -65,7 +65,7 @@ pub fn build(
 
 impl Batch {
     /// The sensor at a place on the film, and the place on its own part of it.
-    pub(super) fn at(&self, film_position: Vec2) -> Option<(&Sensor, Vec2)> {
+    pub(crate) fn at(&self, film_position: Vec2) -> Option<(&Sensor, Vec2)> {
         let scaled = film_position.x * self.sensors.len() as f32;
         // What a filter reaches beyond the film belongs to the sensor at its edge.
         let index = (scaled.max(0.0) as usize).min(self.sensors.len() - 1);

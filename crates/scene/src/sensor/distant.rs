@@ -41,7 +41,7 @@ pub const MANUAL: Manual = Manual {
 /// What leaves the scene in one direction.
 #[derive(Clone, Debug)]
 pub struct Distant {
-    pub(super) common: SensorCommon,
+    pub(crate) common: SensorCommon,
     target: Target,
     /// The sphere around the scene.
     centre: Vec3,
@@ -94,14 +94,14 @@ fn read_target(builder: &Builder<'_>, parameters: &Parameters<'_>) -> Option<Tar
 
 impl Distant {
     /// Tells the sensor how large the scene is.
-    pub(super) fn set_bounds(&mut self, bounds: &Bounds3) {
+    pub(crate) fn set_bounds(&mut self, bounds: &Bounds3) {
         if !bounds.is_empty() {
             let (centre, radius) = bounds.bounding_sphere();
             (self.centre, self.radius) = (centre, radius * MARGIN);
         }
     }
 
-    pub(super) fn ray(&self, aperture: Vec2) -> Option<SensorRay> {
+    pub(crate) fn ray(&self, aperture: Vec2) -> Option<SensorRay> {
         let to_world = &self.common.to_world;
         let direction = to_world.vector(Vec3::Z).try_normalize()?;
         let (origin, weight) = match &self.target {

@@ -28,7 +28,7 @@ pub const MANUAL: Manual = Manual {
 /// What arrives on a shape.
 #[derive(Clone, Debug)]
 pub struct Irradiancemeter {
-    pub(super) common: SensorCommon,
+    pub(crate) common: SensorCommon,
     /// A copy of the shape's geometry: sensors know no scene.
     shape: Shape,
 }
@@ -51,7 +51,7 @@ pub fn build(
 impl Irradiancemeter {
     /// A ray from a uniform point of the shape, in proportion to the cosine: what arrives along it
     /// counts π.
-    pub(super) fn ray(&self, place: Vec2, direction: Vec2) -> Option<SensorRay> {
+    pub(crate) fn ray(&self, place: Vec2, direction: Vec2) -> Option<SensorRay> {
         let sample = self.shape.sample_area(place - place.floor())?;
         let local = warp::cosine_hemisphere::sample(direction);
         let direction = Frame::from_normal(sample.normal).to_world(local);

@@ -27,7 +27,7 @@ pub const MANUAL: Manual = Manual {
 /// A camera without perspective.
 #[derive(Clone, Copy, Debug)]
 pub struct Orthographic {
-    pub(super) common: SensorCommon,
+    pub(crate) common: SensorCommon,
     /// Width over height of the film.
     aspect: f64,
     /// The left upper corner of the near plane, and what lies across and down from it.
@@ -66,14 +66,14 @@ impl Orthographic {
     }
 
     #[inline]
-    pub(super) fn ray(&self, film_position: Vec2) -> Ray {
+    pub(crate) fn ray(&self, film_position: Vec2) -> Ray {
         let origin = self.corner + self.across * film_position.x + self.down * film_position.y;
         Ray::segment(origin, self.direction, self.length)
     }
 
     /// The reverse of [`Self::ray`]: light that leaves along the view shows, on a film whose unit square
     /// covers a rectangle of the scene.
-    pub(super) fn connect(&self, point: Vec3) -> Option<Connection> {
+    pub(crate) fn connect(&self, point: Vec3) -> Option<Connection> {
         let local = self.common.to_world.inverse_point(point);
         let (near, far) = (self.common.near_clip, self.common.far_clip);
         let film_position =
@@ -87,7 +87,7 @@ impl Orthographic {
     }
 
     /// Camera space to the film, z being 0 at the near and 1 at the far plane.
-    pub(super) fn projection(&self) -> DMat4 {
+    pub(crate) fn projection(&self) -> DMat4 {
         let near = f64::from(self.common.near_clip);
         let depth = f64::from(self.common.far_clip) - near;
         DMat4::from_cols(

@@ -1,14 +1,14 @@
 //! `perspective`: a pinhole camera.
 
-use super::connection::{Connection, pinhole};
-use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
-use super::plane::{ImagePlane, View};
 use super::{
     FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, TO_WORLD,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::manual::{Manual, parameter};
+use crate::models::connection::{Connection, pinhole};
+use crate::models::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
+use crate::models::image_plane::{ImagePlane, View};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Lanes, Real, Simd, Vector2, Vector3};
 use etendue_math::{Ray, RayLanes};
@@ -60,7 +60,7 @@ const MAX_SHIFT: f64 = 1e3;
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Perspective {
-    pub(super) common: SensorCommon,
+    pub(crate) common: SensorCommon,
     view: View,
     origin: Vec3,
     plane: ImagePlane,
@@ -91,7 +91,7 @@ impl Perspective {
     }
 
     #[inline]
-    pub(super) fn ray(&self, film_position: Vec2) -> Ray {
+    pub(crate) fn ray(&self, film_position: Vec2) -> Ray {
         self.ray_lanes::<f32>(film_position.into()).into()
     }
 
@@ -113,7 +113,7 @@ impl Perspective {
 
     /// Appends [`Self::ray`] of each film position.
     #[inline(always)]
-    pub(super) fn rays<S: Simd>(&self, simd: S, film_positions: &[Vec2], rays: &mut Vec<Ray>) {
+    pub(crate) fn rays<S: Simd>(&self, simd: S, film_positions: &[Vec2], rays: &mut Vec<Ray>) {
         for positions in film_positions.chunks(Lanes::<S>::COUNT) {
             let coordinate = |axis: usize| {
                 let at = |lane: usize| positions[lane.min(positions.len() - 1)][axis];
@@ -125,13 +125,13 @@ impl Perspective {
     }
 
     /// The reverse of [`Self::ray`].
-    pub(super) fn connect(&self, point: Vec3) -> Option<Connection> {
+    pub(crate) fn connect(&self, point: Vec3) -> Option<Connection> {
         let local = self.common.to_world.inverse_point(point);
         let (film_position, importance) = pinhole(&self.view, local, local.truncate() / local.z)?;
         self.common.connection(point, (self.origin, local.z), (film_position, importance))
     }
 
-    pub(super) fn projection(&self) -> DMat4 {
+    pub(crate) fn projection(&self) -> DMat4 {
         self.view.projection(&self.common)
     }
 }

@@ -34,7 +34,7 @@ pub const MANUAL: Manual = Manual {
 /// One ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Radiancemeter {
-    pub(super) common: SensorCommon,
+    pub(crate) common: SensorCommon,
 }
 
 /// Reads the sensor.
@@ -50,7 +50,7 @@ pub fn build(
 }
 
 impl Radiancemeter {
-    pub(super) fn ray(&self) -> Ray {
+    pub(crate) fn ray(&self) -> Ray {
         let to_world = &self.common.to_world;
         Ray::new(to_world.point(Vec3::ZERO), to_world.vector(Vec3::Z).normalize_or(Vec3::Z))
     }

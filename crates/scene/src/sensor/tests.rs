@@ -2,7 +2,7 @@
 
 use super::{Sensor, orthographic, perspective, thinlens};
 use crate::film::FilmSpec;
-use crate::film::testing::TestNode;
+use crate::testing::node::TestNode;
 use etendue_document::{Class, Diagnostic, Fault, Severity, Value};
 use glam::{DMat4, DVec3, UVec2, Vec2, Vec2Swizzles, Vec3};
 

@@ -1,8 +1,5 @@
 //! `thinlens`: a camera with one distance in focus.
 
-use super::connection::{Connection, pinhole};
-use super::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
-use super::plane::{ImagePlane, View};
 use super::{
     FAR_CLIP, FILM, MAX_VALUE, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
     TO_WORLD,
@@ -10,6 +7,9 @@ use super::{
 use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::manual::{Manual, parameter};
+use crate::models::connection::{Connection, pinhole};
+use crate::models::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
+use crate::models::image_plane::{ImagePlane, View};
 use etendue_document::{Fault, Parameters};
 use etendue_math::Ray;
 use etendue_sampling::warp;
@@ -60,7 +60,7 @@ const MAX_RATIO: f64 = 1e6;
 /// A camera with a thin lens.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinLens {
-    pub(super) common: SensorCommon,
+    pub(crate) common: SensorCommon,
     view: View,
     lens: Lens,
     centre: Vec3,
@@ -123,7 +123,7 @@ impl ThinLens {
     }
 
     #[inline]
-    pub(super) fn ray(&self, film_position: Vec2, aperture: Vec2) -> Ray {
+    pub(crate) fn ray(&self, film_position: Vec2, aperture: Vec2) -> Ray {
         let point = warp::concentric_disk::sample(aperture);
         let from_centre = self.aperture[0] * point.x + self.aperture[1] * point.y;
         // Every ray of a film position meets the pinhole's ray at the focus distance.
@@ -138,7 +138,7 @@ impl ThinLens {
     }
 
     /// The reverse of [`Self::ray`].
-    pub(super) fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
+    pub(crate) fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
         let local = self.common.to_world.inverse_point(point);
         let disk = warp::concentric_disk::sample(aperture);
         let lens = (disk * self.lens.radius as f32).extend(0.0);
@@ -150,7 +150,7 @@ impl ThinLens {
         self.common.connection(point, (origin, path.z), (film_position, importance))
     }
 
-    pub(super) fn projection(&self) -> DMat4 {
+    pub(crate) fn projection(&self) -> DMat4 {
         self.view.projection(&self.common)
     }
 }

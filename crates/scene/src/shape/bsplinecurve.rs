@@ -1,9 +1,9 @@
 //! `bsplinecurve`: round tubes along cubic B-splines.
 
 use super::SurfacePoint;
-use super::curve_file::{self, Curves};
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
+use crate::models::curve_file::{self, Curves};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};

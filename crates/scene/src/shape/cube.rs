@@ -1,7 +1,7 @@
 //! `cube`: twelve triangles.
 
-use super::mesh::{Mesh, MeshOptions};
 use crate::manual::{Manual, parameter};
+use crate::models::mesh::{Mesh, MeshOptions};
 use etendue_document::Parameters;
 use etendue_mesh::TriangleMesh;
 use glam::{Vec2, Vec3};

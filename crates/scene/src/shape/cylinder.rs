@@ -162,7 +162,7 @@ impl Cylinder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::{Class, Fault, Value};
     use glam::DMat4;
 

@@ -1,9 +1,9 @@
 //! `ellipsoids`: many ellipsoids, intersected in double precision.
 
 use super::SurfacePoint;
-use super::ellipsoid_file::{self, Ellipsoid};
 use crate::builder::Assets;
 use crate::manual::Manual;
+use crate::models::ellipsoid_file::{self, Ellipsoid};
 use etendue_document::Parameters;
 use etendue_math::polynomial::quadratic_roots;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};

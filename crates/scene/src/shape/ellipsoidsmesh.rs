@@ -1,10 +1,10 @@
 //! `ellipsoidsmesh`: many ellipsoids, each in a shell of triangles.
 
-use super::ellipsoid_file::{self, Ellipsoid};
-use super::mesh::{Mesh, MeshOptions};
 use super::{Geometry, SurfacePoint, cube};
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
+use crate::models::ellipsoid_file::{self, Ellipsoid};
+use crate::models::mesh::{Mesh, MeshOptions};
 use crate::registry;
 use etendue_document::{Class, Entry, Fault, Parameters};
 use etendue_math::{Bounds3, Ray, Transform};

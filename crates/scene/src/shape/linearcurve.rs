@@ -1,9 +1,9 @@
 //! `linearcurve`: straight tubes with round joints.
 
 use super::SurfacePoint;
-use super::curve_file::{self, Curves};
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
+use crate::models::curve_file::{self, Curves};
 use etendue_document::Parameters;
 use etendue_math::{
     Bounds3, Ray, coordinate_system, polynomial::quadratic_roots, rounding_error_bound,

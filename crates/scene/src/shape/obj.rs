@@ -1,8 +1,8 @@
 //! `obj`: Wavefront OBJ files.
 
-use super::mesh::Mesh;
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
+use crate::models::mesh::Mesh;
 use etendue_document::{Fault, Parameters};
 use etendue_mesh::{ObjOptions, read_obj};
 

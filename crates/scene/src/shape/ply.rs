@@ -1,8 +1,8 @@
 //! `ply`: Stanford PLY files.
 
-use super::mesh::Mesh;
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
+use crate::models::mesh::Mesh;
 use etendue_document::Parameters;
 use etendue_mesh::read_ply;
 

@@ -1,7 +1,7 @@
 //! `rectangle`: two triangles that share a diagonal.
 
-use super::mesh::{Mesh, MeshOptions};
 use crate::manual::{Manual, parameter};
+use crate::models::mesh::{Mesh, MeshOptions};
 use etendue_document::Parameters;
 use etendue_math::Transform;
 use etendue_mesh::TriangleMesh;

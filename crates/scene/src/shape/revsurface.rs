@@ -16,10 +16,10 @@ mod roots;
 mod tests;
 mod tree;
 
-use super::profile::{self, Segment};
 use super::{ShapeSample, SurfacePoint};
 use crate::builder::read_transform;
 use crate::manual::{Manual, parameter};
+use crate::models::profile::{self, Segment};
 use area::AreaTable;
 use etendue_document::{Class, Fault, Parameters};
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};

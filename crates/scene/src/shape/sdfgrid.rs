@@ -7,7 +7,7 @@
 use super::SurfacePoint;
 use crate::builder::{Assets, read_transform};
 use crate::manual::{Manual, parameter};
-use crate::volume::grid_file;
+use crate::models::grid_file;
 use etendue_document::{Fault, Parameters};
 use etendue_math::polynomial::quadratic_roots;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};

@@ -1,10 +1,10 @@
 //! `bitmap`: a picture from a file.
 
-pub use super::texels::Channel;
-use super::texels::Texels;
-use super::uv::read_to_uv;
 use crate::builder::{Assets, Builder};
 use crate::manual::{Manual, parameter};
+pub use crate::models::texels::Channel;
+use crate::models::texels::Texels;
+use crate::models::uv::read_to_uv;
 use etendue_document::{Fault, Parameters};
 use etendue_image::{Bitmap, ImageError};
 use etendue_spectrum::Spectrum;

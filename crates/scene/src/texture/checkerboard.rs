@@ -1,10 +1,10 @@
 //! `checkerboard`: two colours in squares.
 
-use super::uv::read_to_uv;
 use super::{ColorSource, Textures};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use crate::models::uv::read_to_uv;
 use etendue_document::Parameters;
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Affine2, Vec2};
@@ -84,7 +84,7 @@ fn square(uv: Vec2) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::{Class, Value};
     use etendue_math::Frame;
     use glam::{DMat4, DVec3, Vec3};

@@ -1,10 +1,10 @@
 //! `gridtexture`: lines along the edges of squares. From Mitsuba 0.6.
 
-use super::uv::read_to_uv;
 use super::{ColorSource, Textures};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use crate::models::uv::read_to_uv;
 use etendue_document::Parameters;
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Affine2, Vec2};
@@ -77,7 +77,7 @@ impl GridTexture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::Class;
     use etendue_math::Frame;
     use glam::Vec3;

@@ -44,7 +44,7 @@ pub fn build(_: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Spectru
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::Class;
     use glam::DVec3;
 

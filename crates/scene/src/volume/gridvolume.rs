@@ -1,9 +1,9 @@
 //! `gridvolume`: values on a grid, from a file.
 
 use super::UNIT_CUBE;
-use super::grid_file::{self, GridFile};
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
+use crate::models::grid_file::{self, GridFile};
 use crate::texture::bitmap::WrapMode;
 use etendue_document::{Fault, Parameters};
 use etendue_math::{Bounds3, Transform};

@@ -1,7 +1,7 @@
 //! Random surfaces of revolution, rays at them, and another way to find where the rays pass through.
 
 use etendue_math::Ray;
-use etendue_scene::shape::profile::{self, Segment};
+use etendue_scene::models::profile::{self, Segment};
 use etendue_scene::shape::revsurface::{Crossing, RevSurface};
 use etendue_testkit::TestRng;
 use glam::{DAffine3, DVec2, DVec3, Vec3};

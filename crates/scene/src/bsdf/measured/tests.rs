@@ -1,6 +1,6 @@
 //! What measured materials read, scatter and refuse.
 
-use crate::bsdf::testing::assert_finds;
+use crate::testing::material::assert_finds;
 use etendue_document::{Fault, Severity};
 
 use super::data::Measurement;

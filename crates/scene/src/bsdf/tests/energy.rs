@@ -1,8 +1,8 @@
 //! How much light comes back.
 
 use super::{CONFIGURATIONS, incident};
-use crate::bsdf::testing::TestMaterial;
 use crate::bsdf::{Bsdf, Transport};
+use crate::testing::material::TestMaterial;
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 

@@ -1,8 +1,8 @@
 //! Numbers at the edges: nothing may come out infinite, negative or NaN.
 
 use super::{CONFIGURATIONS, incident};
-use crate::bsdf::testing::TestMaterial;
 use crate::bsdf::{Bsdf, Transport};
+use crate::testing::material::TestMaterial;
 use etendue_spectrum::Spectrum;
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};

@@ -1,12 +1,12 @@
 //! Values and densities against those of Mitsuba 3.9.1, variant `scalar_rgb`.
 
-use crate::bsdf::testing::TestMaterial;
 use crate::bsdf::{Lobe, Transport};
+use crate::testing::material::TestMaterial;
 use glam::{Vec2, Vec3};
 
 /// Materials, one to a line, each followed by `eval` lines (wi, wo, value with cosine, density)
 /// or `sample` lines (wi, the number that chooses the lobe, wo, weight, density, eta). Printed from
-/// `BSDF.eval_pdf` and `BSDF.sample` at a hit as [`testing::surface`](crate::bsdf::testing::surface)
+/// `BSDF.eval_pdf` and `BSDF.sample` at a hit as [`testing::surface`](crate::testing::material::surface)
 /// gives it. Left out are densities from behind an opaque material, where Mitsuba has some.
 const VALUES: &str = include_str!("mitsuba_values.txt");
 

@@ -3,7 +3,7 @@
 use super::line::Line;
 use super::roots::{Bernstein, Derivatives, each_root, no_roots, root_between};
 use super::tree::Extent;
-use crate::shape::profile::{self, Segment};
+use crate::models::profile::{self, Segment};
 use etendue_math::polynomial::quadratic_roots;
 use glam::DVec2;
 

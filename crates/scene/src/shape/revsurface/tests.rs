@@ -2,7 +2,7 @@
 //! missed or invented is counted in `tests/splines.rs`.
 
 use super::*;
-use crate::shape::profile::{from_b_spline, from_bezier};
+use crate::models::profile::{from_b_spline, from_bezier};
 use etendue_bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, TriangleMeshView};
 use etendue_math::{offset_ray_origin, polynomial::quadratic_roots};
 use etendue_testkit::TestRng;

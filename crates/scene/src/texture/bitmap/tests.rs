@@ -1,7 +1,7 @@
 //! Look-ups against Mitsuba's, and files of every precision.
 
 use super::*;
-use crate::film::testing::TestNode;
+use crate::testing::node::TestNode;
 use etendue_document::{Class, Value};
 use etendue_image::{EncodeOptions, FileFormat, Picture, Samples, encode};
 use glam::{DMat4, DVec3};

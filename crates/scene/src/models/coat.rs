@@ -26,13 +26,13 @@ const NODES_INSIDE: usize = 64;
 
 /// A rough interface, the same in all directions along the surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Coat {
+pub(crate) struct Coat {
     /// The distribution of the normals.
-    pub(super) distribution: Distribution,
+    pub(crate) distribution: Distribution,
     /// The roughness.
-    pub(super) alpha: f32,
+    pub(crate) alpha: f32,
     /// The index inside over that outside.
-    pub(super) eta: f32,
+    pub(crate) eta: f32,
 }
 
 /// The tables of a scene: one for all materials with the same coat, which also lets hits on several of
@@ -42,7 +42,7 @@ pub(crate) struct CoatTables(HashMap<(Distribution, [u32; 2]), Arc<CoatTable>>);
 
 impl CoatTables {
     /// The table of a coat.
-    pub(super) fn of(&mut self, coat: Coat) -> Arc<CoatTable> {
+    pub(crate) fn of(&mut self, coat: Coat) -> Arc<CoatTable> {
         let key = (coat.distribution, [coat.alpha, coat.eta].map(f32::to_bits));
         Arc::clone(self.0.entry(key).or_insert_with(|| Arc::new(CoatTable::new(coat))))
     }
@@ -50,11 +50,11 @@ impl CoatTables {
 
 /// The transmission of a rough interface, averaged over all directions on the far side.
 #[derive(Clone, Debug)]
-pub(super) struct CoatTable {
+pub(crate) struct CoatTable {
     /// The share that enters from outside at the cosine i / 63.
     entering: [f32; ENTRIES],
     /// The share of diffuse light that is reflected from inside.
-    pub(super) internal_diffuse_reflectance: f32,
+    pub(crate) internal_diffuse_reflectance: f32,
 }
 
 impl CoatTable {
@@ -93,12 +93,12 @@ impl CoatTable {
     }
 
     /// One that lets no light through.
-    pub(super) const BLACK: Self =
+    pub(crate) const BLACK: Self =
         Self { entering: [0.0; ENTRIES], internal_diffuse_reflectance: 0.0 };
 }
 
 /// The tables of as many hits as `R` has lanes.
-pub(super) trait Coats<R: Real>: Copy {
+pub(crate) trait Coats<R: Real>: Copy {
     /// The entry of each hit's table with the given index, a whole number from 0 to 63.
     fn entries(self, index: R) -> R;
 
@@ -123,15 +123,15 @@ impl Coats<f32> for &CoatTable {
 
 /// The table of each lane.
 #[derive(Clone, Copy)]
-pub(super) struct CoatLanes<'a, S> {
+pub(crate) struct CoatLanes<'a, S> {
     /// The instructions of the lanes.
-    pub(super) simd: S,
+    pub(crate) simd: S,
     /// The table of all lanes, where they share one.
-    pub(super) shared: Option<&'a CoatTable>,
+    pub(crate) shared: Option<&'a CoatTable>,
     /// The tables of all lanes that there may be.
-    pub(super) tables: &'a [&'a CoatTable; MAX_LANES],
+    pub(crate) tables: &'a [&'a CoatTable; MAX_LANES],
     /// The place of the first lane among them.
-    pub(super) first: usize,
+    pub(crate) first: usize,
 }
 
 impl<S: Simd> Coats<Lanes<S>> for CoatLanes<'_, S> {

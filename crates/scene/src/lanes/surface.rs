@@ -1,7 +1,7 @@
 //! Points on surfaces, several at once.
 
-use super::SurfaceInteraction;
 use crate::ids::ShapeId;
+use crate::interaction::SurfaceInteraction;
 use etendue_bvh::Hit;
 use etendue_math::lanes::{Frame3, LaneArray, Lanes, Real, Simd, Vector2, Vector3};
 use etendue_math::{Frame, offset_origin_lanes};

@@ -1,6 +1,7 @@
 //! Materials from XML, for tests.
 
-use super::{Bsdf, LaneMaterial, Material, Materials, Transport};
+use crate::batch::LaneMaterial;
+use crate::bsdf::{Bsdf, Material, Materials, Transport};
 use crate::builder::{Assets, BuildOptions, Builder};
 use crate::ids::{MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;
@@ -76,10 +77,10 @@ pub(crate) fn assert_same(first: &str, second: &str) {
 /// Files that materials may name.
 fn resources() -> MemoryResources {
     MemoryResources::default()
-        .with("isotropic.bsdf", include_bytes!("measured/isotropic.bsdf").to_vec())
-        .with("anisotropic.bsdf", include_bytes!("measured/anisotropic.bsdf").to_vec())
-        .with("quarter.bsdf", include_bytes!("measured/quarter.bsdf").to_vec())
-        .with("spectral.bsdf", include_bytes!("measured/spectral.bsdf").to_vec())
+        .with("isotropic.bsdf", include_bytes!("../bsdf/measured/isotropic.bsdf").to_vec())
+        .with("anisotropic.bsdf", include_bytes!("../bsdf/measured/anisotropic.bsdf").to_vec())
+        .with("quarter.bsdf", include_bytes!("../bsdf/measured/quarter.bsdf").to_vec())
+        .with("spectral.bsdf", include_bytes!("../bsdf/measured/spectral.bsdf").to_vec())
         .with("broken.bsdf", b"tensor_file".to_vec())
 }
 

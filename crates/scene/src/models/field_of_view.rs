@@ -111,7 +111,7 @@ fn read_focal_length(parameters: &Parameters<'_>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::testing::TestNode;
+    use crate::testing::node::TestNode;
     use etendue_document::Class;
 
     fn node() -> TestNode {

@@ -4,15 +4,7 @@
 //! mathematics, which a hit alone uses as well. [`ClosureLanes`] holds the closures of up to
 //! [`MAX_LANES`](etendue_math::lanes::MAX_LANES) hits whose materials are of one [`LaneKind`].
 
-mod batch;
-mod material;
-#[cfg(test)]
-mod tests;
-
-pub use batch::ClosureLanes;
-pub use material::{LaneKind, LaneMaterial};
-
-use super::{BsdfSample, Closure, Lobe, Transport};
+use crate::bsdf::{BsdfSample, Closure, Lobe, Transport};
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
@@ -55,7 +47,7 @@ impl<R: Real> SampleLanes<R> {
 
     /// `yes` where the mask is true, `no` elsewhere.
     #[inline(always)]
-    pub(super) fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+    pub(crate) fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
         Self {
             wo: Vector3::select(mask, yes.wo, no.wo),
             weight: SpectrumLanes::select(mask, yes.weight, no.weight),
@@ -69,15 +61,15 @@ impl<R: Real> SampleLanes<R> {
 
     /// As [`none`](Self::none), but smooth should it exist.
     #[inline(always)]
-    pub(super) fn smooth(wi: Vector3<R>) -> Self {
+    pub(crate) fn smooth(wi: Vector3<R>) -> Self {
         let none = Self::none(wi);
         Self { smooth: !none.smooth, ..none }
     }
 }
 
-/// The mathematics of a closure over any [`Real`]; the contract is that of [`super::Closure`].
-pub(super) trait LaneClosure<R: Real> {
-    /// See [`super::Closure::eval_pdf`].
+/// The mathematics of a closure over any [`Real`]; the contract is that of [`Closure`].
+pub(crate) trait LaneClosure<R: Real> {
+    /// See [`Closure::eval_pdf`].
     fn eval_pdf_lanes(
         &self,
         wi: Vector3<R>,
@@ -85,7 +77,7 @@ pub(super) trait LaneClosure<R: Real> {
         transport: Transport,
     ) -> (SpectrumLanes<R>, R);
 
-    /// See [`super::Closure::sample`].
+    /// See [`Closure::sample`].
     fn sample_lanes(
         &self,
         wi: Vector3<R>,
@@ -96,7 +88,7 @@ pub(super) trait LaneClosure<R: Real> {
 }
 
 /// Passes the numbers of a closure on, one after the other.
-pub(super) trait Transfer<R: Real, T: Real> {
+pub(crate) trait Transfer<R: Real, T: Real> {
     /// What a number becomes.
     fn number(&mut self, number: R) -> T;
 
@@ -111,7 +103,7 @@ pub(super) trait Transfer<R: Real, T: Real> {
 }
 
 /// What a closure of one hit has beside its [`LaneClosure`]; it is then a [`Closure`].
-pub(super) trait HitClosure: LaneClosure<f32> {
+pub(crate) trait HitClosure: LaneClosure<f32> {
     /// See [`Closure::straight`].
     fn null_transmission(&self, _wi: Vec3) -> (Spectrum, f32) {
         (Spectrum::ZERO, 0.0)

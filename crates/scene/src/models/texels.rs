@@ -8,8 +8,8 @@ use std::sync::OnceLock;
 /// A picture of one channel or of three, which keeps the memory that the file's precision needs.
 #[derive(Clone, Debug)]
 pub(crate) struct Texels {
-    pub(super) width: u32,
-    pub(super) height: u32,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
     /// Row by row from the top, channels side by side.
     samples: Samples,
     is_grey: bool,
@@ -48,7 +48,7 @@ static FRACTIONS: [f32; 256] = {
 impl Texels {
     /// Takes over the colours of a picture, without alpha, or one channel of it. Samples are taken
     /// as they are where `raw`. `None` where there is no such channel, or no texel.
-    pub(super) fn new(bitmap: Bitmap, channel: Option<Channel>, raw: bool) -> Option<Self> {
+    pub(crate) fn new(bitmap: Bitmap, channel: Option<Channel>, raw: bool) -> Option<Self> {
         let stride = bitmap.channels as usize;
         let is_color = stride >= 3;
         let kept = match channel {
@@ -80,13 +80,13 @@ impl Texels {
     }
 
     /// Whether the file holds floating-point numbers, which need not be finite.
-    pub(super) fn are_floats(&self) -> bool {
+    pub(crate) fn are_floats(&self) -> bool {
         matches!(self.samples, Samples::F16(_) | Samples::F32(_))
     }
 
     /// Whether there is one channel only.
     #[inline]
-    pub(super) fn is_grey(&self) -> bool {
+    pub(crate) fn is_grey(&self) -> bool {
         self.is_grey
     }
 
@@ -102,7 +102,7 @@ impl Texels {
 
     /// The colours of some texels, by index: row times width plus column.
     #[inline]
-    pub(super) fn colors<const N: usize>(&self, indices: [usize; N]) -> [Spectrum; N] {
+    pub(crate) fn colors<const N: usize>(&self, indices: [usize; N]) -> [Spectrum; N] {
         if self.is_grey {
             return self.scalars(indices).map(Spectrum::splat);
         }
@@ -120,7 +120,7 @@ impl Texels {
 
     /// The only channel of some texels, or the luminances of their colours.
     #[inline]
-    pub(super) fn scalars<const N: usize>(&self, indices: [usize; N]) -> [f32; N] {
+    pub(crate) fn scalars<const N: usize>(&self, indices: [usize; N]) -> [f32; N] {
         if !self.is_grey {
             return self.colors(indices).map(Spectrum::luminance);
         }
@@ -133,7 +133,7 @@ impl Texels {
     }
 
     /// The mean colour.
-    pub(super) fn mean(&self) -> Spectrum {
+    pub(crate) fn mean(&self) -> Spectrum {
         *self.mean.get_or_init(|| {
             let sums = match &self.samples {
                 Samples::U8(samples) => self.code_sums(samples, self.narrow_codes),

@@ -1,7 +1,7 @@
 //! Lanes against hits alone, bit by bit, with every set of instructions of this machine.
 
 use super::*;
-use crate::bsdf::testing::{TestMaterial, surface};
+use crate::testing::material::{TestMaterial, surface};
 use crate::interaction::SurfaceInteraction;
 use crate::texture::Textures;
 use etendue_math::lanes::{LaneMask, Lanes, Level, MAX_LANES, Mask as _, Simd, baseline};

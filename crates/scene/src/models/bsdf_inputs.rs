@@ -14,13 +14,13 @@ use std::ops::RangeInclusive;
 
 /// A number between its bounds; the lower one for NaN, which a texture may hold.
 #[inline]
-pub(super) fn limited(value: f32, low: f32, high: f32) -> f32 {
+pub(crate) fn limited(value: f32, low: f32, high: f32) -> f32 {
     if value > low { value.min(high) } else { low }
 }
 
 /// A share of light: a colour from 0 to 1. Above one it is warned of and taken as it is, as it
 /// makes light out of nothing.
-pub(super) fn reflectance(
+pub(crate) fn reflectance(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
     name: &str,
@@ -38,7 +38,7 @@ pub(super) fn reflectance(
 
 /// A scalar with bounds for its constants; outside them, and for NaN, an error is reported and
 /// the default returned. What a texture holds can only be limited where it is read.
-pub(super) fn scalar_within(
+pub(crate) fn scalar_within(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
     name: &str,
@@ -60,7 +60,7 @@ pub(super) fn scalar_within(
 
 /// A share from 0 to 1. Beyond them it means nothing, but scenes hold such numbers: they are limited,
 /// with a warning.
-pub(super) fn fraction(
+pub(crate) fn fraction(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
     name: &str,
@@ -77,7 +77,7 @@ pub(super) fn fraction(
 }
 
 /// The index inside over the index outside, from `int_ior` and `ext_ior`; from 0.001 to 1000.
-pub(super) fn relative_index(
+pub(crate) fn relative_index(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
     default_inside: &str,
@@ -95,7 +95,7 @@ pub(super) fn relative_index(
 
 /// The same for a rough interface, which is none where both indices are equal: every direction of
 /// its transmission would be the straight one.
-pub(super) fn rough_relative_index(
+pub(crate) fn rough_relative_index(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
     default_inside: &str,
@@ -112,7 +112,7 @@ pub(super) fn rough_relative_index(
 /// The roughness of a microfacet surface: `alpha`, `alpha_u`, `alpha_v`, `distribution` and
 /// `sample_visible`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Roughness {
+pub(crate) struct Roughness {
     alpha_u: ScalarSource,
     alpha_v: ScalarSource,
     distribution: Distribution,
@@ -121,7 +121,7 @@ pub(super) struct Roughness {
 
 impl Roughness {
     /// Reads the parameters; both directions may have textures.
-    pub(super) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
+    pub(crate) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
         let (distribution, sampling) = distribution(parameters);
         let mut read = |name: &str| scalar_within(builder, parameters, name, 0.1, 0.0..=1e4);
         let (alpha_u, alpha_v) = if parameters.has("alpha_u") || parameters.has("alpha_v") {
@@ -145,18 +145,18 @@ impl Roughness {
     }
 
     /// Whether it is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.alpha_u.is_constant() && self.alpha_v.is_constant()
     }
 
     /// The distribution where visible normals are sampled.
-    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
         (self.sampling == NormalSampling::Visible).then_some(self.distribution)
     }
 
     /// The distribution of normals at a hit.
     #[inline]
-    pub(super) fn resolve(
+    pub(crate) fn resolve(
         &self,
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
@@ -168,7 +168,7 @@ impl Roughness {
 }
 
 /// `distribution` and `sample_visible`.
-pub(super) fn distribution(parameters: &Parameters<'_>) -> (Distribution, NormalSampling) {
+pub(crate) fn distribution(parameters: &Parameters<'_>) -> (Distribution, NormalSampling) {
     let choices = [
         ("beckmann", Distribution::Beckmann),
         ("ggx", Distribution::Ggx),
@@ -192,7 +192,7 @@ pub(super) fn distribution(parameters: &Parameters<'_>) -> (Distribution, Normal
 
 /// The complex index of refraction of a metal: `material`, or `eta` and `k`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MetalIndex {
+pub(crate) struct MetalIndex {
     eta: ColorSource,
     k: ColorSource,
     /// The index of what is around it, which divides both.
@@ -201,7 +201,7 @@ pub(super) struct MetalIndex {
 
 impl MetalIndex {
     /// Reads the parameters.
-    pub(super) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
+    pub(crate) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
         let [eta, k] = ["eta", "k"]
             .map(|name| builder.optional_color(parameters, name, SpectrumUse::MeasuredIndex));
         let named = named_metal(parameters);
@@ -218,13 +218,13 @@ impl MetalIndex {
     }
 
     /// Whether it is the same everywhere.
-    pub(super) fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.eta.is_constant() && self.k.is_constant()
     }
 
     /// η and k at a hit.
     #[inline]
-    pub(super) fn resolve(
+    pub(crate) fn resolve(
         &self,
         textures: Textures<'_>,
         surface: &SurfaceInteraction,
@@ -251,7 +251,7 @@ fn named_metal(parameters: &Parameters<'_>) -> [ColorSource; 2] {
 /// A coat's inside: the diffuse base, its reflectance raised by the light that the coat throws
 /// back at it. `internal_diffuse_reflectance` is the share that the coat reflects from inside.
 #[inline]
-pub(super) fn coated_base(
+pub(crate) fn coated_base(
     base: Spectrum,
     internal_diffuse_reflectance: f32,
     shift: ColorShift,
@@ -264,7 +264,7 @@ pub(super) fn coated_base(
 
 /// Whether scattering inside a coat shifts the colour of its base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ColorShift {
+pub(crate) enum ColorShift {
     /// Light that is thrown back is coloured at every bounce: darker, more saturated.
     Nonlinear,
     /// Light that is thrown back is replaced: the colour of the base is kept.
@@ -273,7 +273,7 @@ pub(super) enum ColorShift {
 
 impl ColorShift {
     /// Reads `nonlinear`.
-    pub(super) fn read(parameters: &Parameters<'_>) -> Self {
+    pub(crate) fn read(parameters: &Parameters<'_>) -> Self {
         match parameters.boolean("nonlinear", false) {
             true => Self::Nonlinear,
             false => Self::None,
@@ -284,7 +284,7 @@ impl ColorShift {
 /// The share of samples that go to the specular lobe of a coated surface, where the coat reflects
 /// the share `reflected`.
 #[inline(always)]
-pub(super) fn specular_probability<R: Real>(
+pub(crate) fn specular_probability<R: Real>(
     specular: SpectrumLanes<R>,
     base: SpectrumLanes<R>,
     reflected: R,
@@ -296,13 +296,13 @@ pub(super) fn specular_probability<R: Real>(
 }
 
 /// The cosine-weighted mean of [`fresnel::dielectric`] over the inside of an interface.
-pub(super) fn internal_diffuse_reflectance(eta: f32) -> f32 {
+pub(crate) fn internal_diffuse_reflectance(eta: f32) -> f32 {
     fresnel::diffuse_reflectance(1.0 / eta)
 }
 
 /// The nested materials of a wrapper that takes as many as `allowed` says; `None` after reporting
 /// that there are more or fewer, or that one of them is wrong.
-pub(super) fn nested(
+pub(crate) fn nested(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
     allowed: RangeInclusive<usize>,

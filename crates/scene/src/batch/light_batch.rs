@@ -1,7 +1,7 @@
 //! Light in memory, for what is done lane by lane.
 
-use super::{LightLanes, TargetLanes};
 use crate::emitter::{DirectionSample, Target};
+use crate::lanes::{LightLanes, TargetLanes};
 use etendue_math::lanes::{LaneArray, LaneMask, Lanes, Mask as _, Simd, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};

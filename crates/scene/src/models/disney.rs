@@ -3,7 +3,7 @@
 //! Burley, "Physically Based Shading at Disney", SIGGRAPH 2012 courses, and "Extending the Disney
 //! BRDF to a BSDF with Integrated Subsurface Scattering", SIGGRAPH 2015 courses.
 
-use super::inputs::{fraction, limited, scalar_within};
+use super::bsdf_inputs::{fraction, limited, scalar_within};
 use super::microfacet::{Distribution, Microfacets, NormalSampling};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
@@ -14,39 +14,39 @@ use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
-pub(super) const BASE_COLOR: ParameterManual =
+pub(crate) const BASE_COLOR: ParameterManual =
     parameter("base_color", "spectrum or texture", "0.5", "The colour of the material.");
-pub(super) const ROUGHNESS: ParameterManual = parameter(
+pub(crate) const ROUGHNESS: ParameterManual = parameter(
     "roughness",
     "float or texture",
     "0.5",
     "The roughness of the specular lobes, 0 to 1; its square is the `alpha` of a GGX distribution.",
 );
-pub(super) const ANISOTROPIC: ParameterManual = parameter(
+pub(crate) const ANISOTROPIC: ParameterManual = parameter(
     "anisotropic",
     "float or texture",
     "0",
     "How much longer highlights are along the tangent: 0 (not) to 1.",
 );
-pub(super) const SPEC_TINT: ParameterManual = parameter(
+pub(crate) const SPEC_TINT: ParameterManual = parameter(
     "spec_tint",
     "float or texture",
     "0",
     "How much of the base colour the dielectric reflection takes on, 0 to 1.",
 );
-pub(super) const SHEEN: ParameterManual = parameter(
+pub(crate) const SHEEN: ParameterManual = parameter(
     "sheen",
     "float or texture",
     "0",
     "The strength of a glow at grazing angles, as of cloth: 0 to 1; more than that is allowed.",
 );
-pub(super) const SHEEN_TINT: ParameterManual = parameter(
+pub(crate) const SHEEN_TINT: ParameterManual = parameter(
     "sheen_tint",
     "float or texture",
     "0",
     "How much of the base colour the sheen takes on, 0 to 1.",
 );
-pub(super) const FLATNESS: ParameterManual = parameter(
+pub(crate) const FLATNESS: ParameterManual = parameter(
     "flatness",
     "float or texture",
     "0",
@@ -54,7 +54,7 @@ pub(super) const FLATNESS: ParameterManual = parameter(
 );
 
 /// The strength of a lobe that is added to the others: 0 to 1 by the model, but more only scales.
-pub(super) fn strength(
+pub(crate) fn strength(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
     name: &str,
@@ -63,13 +63,13 @@ pub(super) fn strength(
 }
 
 /// How often a lobe is sampled, relative to the others.
-pub(super) fn sampling_rate(parameters: &Parameters<'_>, name: &str) -> f32 {
+pub(crate) fn sampling_rate(parameters: &Parameters<'_>, name: &str) -> f32 {
     parameters.float_in(name, 1.0, 0.0..=1e6) as f32
 }
 
 /// The parameters that both materials have.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BaseParameters {
+pub(crate) struct BaseParameters {
     base_color: ColorSource,
     roughness: ScalarSource,
     anisotropic: ScalarSource,
@@ -83,7 +83,7 @@ pub(super) struct BaseParameters {
 
 impl BaseParameters {
     /// Reads them, but for `metallic`, which sheets do not have.
-    pub(super) fn read(
+    pub(crate) fn read(
         builder: &mut Builder<'_>,
         parameters: &Parameters<'_>,
         metallic: ScalarSource,
@@ -102,12 +102,12 @@ impl BaseParameters {
     }
 
     /// Whether any light may pass the surface without being scattered below it.
-    pub(super) fn transmits(&self) -> bool {
+    pub(crate) fn transmits(&self) -> bool {
         !matches!(self.spec_trans, ScalarSource::Constant(0.0))
     }
 
     /// Reads the textures at a hit.
-    pub(super) fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Base {
+    pub(crate) fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Base {
         let share = |source: &ScalarSource| share_at(source, textures, surface);
         Base {
             color: self.base_color.eval(textures, surface),
@@ -125,7 +125,7 @@ impl BaseParameters {
 
 /// A parameter from 0 to 1 at a hit; what a texture holds beyond is limited.
 #[inline]
-pub(super) fn share_at(
+pub(crate) fn share_at(
     source: &ScalarSource,
     textures: Textures<'_>,
     surface: &SurfaceInteraction,
@@ -136,23 +136,23 @@ pub(super) fn share_at(
 /// The resolved parameters that both materials have. All closures take as much room as the largest,
 /// so this is made to fill its 48 bytes, and what does not vary is left out.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Base {
-    pub(super) color: Spectrum,
+pub(crate) struct Base {
+    pub(crate) color: Spectrum,
     roughness: f32,
     anisotropic: f32,
-    pub(super) spec_tint: f32,
+    pub(crate) spec_tint: f32,
     sheen: f32,
     sheen_tint: f32,
     flatness: f32,
-    pub(super) spec_trans: f32,
+    pub(crate) spec_trans: f32,
     /// Zero for sheets.
-    pub(super) metallic: f32,
+    pub(crate) metallic: f32,
 }
 
 impl Base {
     /// The distribution of normals, with the roughness multiplied by `factor`.
     #[inline]
-    pub(super) fn microfacets(&self, factor: f32) -> Microfacets {
+    pub(crate) fn microfacets(&self, factor: f32) -> Microfacets {
         let squared = (self.roughness * factor) * (self.roughness * factor);
         let aspect = (1.0 - 0.9 * self.anisotropic).sqrt();
         let alpha = Vec2::new(squared / aspect, squared * aspect).max(Vec2::splat(1e-3));
@@ -161,7 +161,7 @@ impl Base {
 
     /// The hue of the base colour, at luminance one; white where it is black.
     #[inline]
-    pub(super) fn hue(&self) -> Spectrum {
+    pub(crate) fn hue(&self) -> Spectrum {
         let luminance = self.color.luminance();
         if luminance > 0.0 { self.color / luminance } else { Spectrum::ONE }
     }
@@ -172,7 +172,7 @@ impl Base {
     /// Burley 2015, section 2 (diffuse and retro-reflection); Burley 2012, section 5.3 (flatness,
     /// after Hanrahan and Krueger).
     #[inline]
-    pub(super) fn diffuse(&self, cos_i: f32, cos_o: f32, cos_d: f32) -> Spectrum {
+    pub(crate) fn diffuse(&self, cos_i: f32, cos_o: f32, cos_d: f32) -> Spectrum {
         let (grazing_i, grazing_o) = (schlick_weight(cos_i), schlick_weight(cos_o));
         let retro = 2.0 * self.roughness * cos_d * cos_d;
         let lambert = (1.0 - 0.5 * grazing_i) * (1.0 - 0.5 * grazing_o);
@@ -189,7 +189,7 @@ impl Base {
 
     /// The glow at grazing angles, times the cosine.
     #[inline]
-    pub(super) fn sheen(&self, cos_o: f32, cos_d: f32) -> Spectrum {
+    pub(crate) fn sheen(&self, cos_o: f32, cos_d: f32) -> Spectrum {
         if self.sheen == 0.0 {
             return Spectrum::ZERO;
         }
@@ -200,7 +200,7 @@ impl Base {
 
 /// (1 − cos θ)⁵.
 #[inline]
-pub(super) fn schlick_weight(cosine: f32) -> f32 {
+pub(crate) fn schlick_weight(cosine: f32) -> f32 {
     let m = (1.0 - cosine).clamp(0.0, 1.0);
     (m * m) * (m * m) * m
 }
@@ -208,7 +208,7 @@ pub(super) fn schlick_weight(cosine: f32) -> f32 {
 /// Schlick's approximation at the cosine `cosine` ≥ 0 on the side from which the relative index is
 /// `eta`. Below 1 the refracted angle counts, so that it is continuous up to total reflection.
 #[inline]
-pub(super) fn schlick(normal: Spectrum, cosine: f32, eta: f32) -> Spectrum {
+pub(crate) fn schlick(normal: Spectrum, cosine: f32, eta: f32) -> Spectrum {
     let cosine = if eta > 1.0 {
         cosine
     } else {
@@ -219,7 +219,7 @@ pub(super) fn schlick(normal: Spectrum, cosine: f32, eta: f32) -> Spectrum {
 
 /// The reflectance at normal incidence.
 #[inline]
-pub(super) fn normal_reflectance(eta: f32) -> f32 {
+pub(crate) fn normal_reflectance(eta: f32) -> f32 {
     let root = (eta - 1.0) / (eta + 1.0);
     root * root
 }
@@ -228,7 +228,7 @@ pub(super) fn normal_reflectance(eta: f32) -> f32 {
 ///
 /// Burley 2012, appendix B.2.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CoatNormals {
+pub(crate) struct CoatNormals {
     alpha: f32,
 }
 
@@ -238,13 +238,13 @@ const COAT_MASKING_ALPHA: f32 = 0.25;
 impl CoatNormals {
     /// `gloss` from 0 (satin) to 1.
     #[inline]
-    pub(super) fn new(gloss: f32) -> Self {
+    pub(crate) fn new(gloss: f32) -> Self {
         Self { alpha: 0.1 + gloss * (0.001 - 0.1) }
     }
 
     /// D(m) for m above the surface.
     #[inline]
-    pub(super) fn density(self, m: Vec3) -> f32 {
+    pub(crate) fn density(self, m: Vec3) -> f32 {
         let alpha2 = self.alpha * self.alpha;
         // 1 + (α² − 1) cos²θ, which would lose digits near the normal.
         let spread = m.truncate().length_squared() + alpha2 * m.z * m.z;
@@ -253,7 +253,7 @@ impl CoatNormals {
 
     /// A normal with the density D(m) cos θ.
     #[inline]
-    pub(super) fn sample(self, uniform: Vec2) -> Vec3 {
+    pub(crate) fn sample(self, uniform: Vec2) -> Vec3 {
         let alpha2 = self.alpha * self.alpha;
         let sin2 = (alpha2.powf(1.0 - uniform.y) - alpha2) / (1.0 - alpha2);
         let sin2 = sin2.clamp(0.0, 1.0);
@@ -262,7 +262,7 @@ impl CoatNormals {
 
     /// Smith's masking for both directions, which are above the surface and their half vector.
     #[inline]
-    pub(super) fn masking(wi: Vec3, wo: Vec3) -> f32 {
+    pub(crate) fn masking(wi: Vec3, wo: Vec3) -> f32 {
         let one = |v: Vec3| {
             let tan2 = v.truncate().length_squared() / (v.z * v.z);
             2.0 / (1.0 + (1.0 + COAT_MASKING_ALPHA * COAT_MASKING_ALPHA * tan2).sqrt())

@@ -114,7 +114,7 @@ pub fn reflect_lanes<R: Real>(wi: Vector3<R>, m: Vector3<R>) -> Vector3<R> {
 
 /// The mirror image of `wi` about the surface's normal.
 #[inline(always)]
-pub(super) fn mirror<R: Real>(wi: Vector3<R>) -> Vector3<R> {
+pub(crate) fn mirror<R: Real>(wi: Vector3<R>) -> Vector3<R> {
     Vector3::new(-wi.x, -wi.y, wi.z)
 }
 

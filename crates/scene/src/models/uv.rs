@@ -5,7 +5,7 @@ use glam::{Affine2, DAffine2};
 
 /// Reads `to_uv`, an affine map of texture coordinates that need not have an inverse; `None` after
 /// an error has been reported.
-pub(super) fn read_to_uv(parameters: &Parameters<'_>) -> Option<Affine2> {
+pub(crate) fn read_to_uv(parameters: &Parameters<'_>) -> Option<Affine2> {
     let matrix = parameters.transform("to_uv");
     // What maps u, v and the origin: the third dimension has no part in it.
     let [x, y, origin] =

@@ -1,10 +1,10 @@
 //! What lanes know of materials: of which kind their closures are, and their numbers.
 
-use super::Transfer;
-use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::{Material, Materials};
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::Transfer;
+use crate::models::microfacet::Distribution;
 use crate::texture::Textures;
 use etendue_math::Frame;
 use glam::{Vec2, Vec3};
@@ -72,7 +72,7 @@ impl LaneKind {
 
     /// How many numbers a closure consists of.
     #[inline(always)]
-    pub(super) fn columns(self) -> usize {
+    pub(crate) fn columns(self) -> usize {
         match self {
             Self::Diffuse => 3,
             Self::Dielectric | Self::ThinDielectric => 7,
@@ -117,17 +117,17 @@ impl LaneKind {
 }
 
 /// The most numbers that a closure consists of.
-pub(super) const COLUMNS: usize = 12;
+pub(crate) const COLUMNS: usize = 12;
 
 /// What lanes know of a material, whatever the hit.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneMaterial {
     kind: Option<LaneKind>,
     /// The material itself, or the one that `twosided` puts on both sides.
-    pub(super) leaf: MaterialId,
-    pub(super) is_two_sided: bool,
+    pub(crate) leaf: MaterialId,
+    pub(crate) is_two_sided: bool,
     /// The numbers of its closure where they are the same everywhere.
-    pub(super) uniform: Option<[f32; COLUMNS]>,
+    pub(crate) uniform: Option<[f32; COLUMNS]>,
 }
 
 impl LaneMaterial {
@@ -172,7 +172,7 @@ fn is_uniform(material: &Material) -> bool {
 
 /// Resolves a material at a hit and shows the numbers of its closure.
 #[inline(always)]
-pub(super) fn transfer(
+pub(crate) fn transfer(
     material: &Material,
     textures: Textures<'_>,
     surface: &SurfaceInteraction,

@@ -4,7 +4,7 @@
 //! (z > 0), and the microfacet normal `m` too.
 
 use super::erf::{erf_given_exponential, erf_inverse};
-use super::lanes::Transfer;
+use crate::lanes::Transfer;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use glam::Vec2;
 use std::f32::consts::FRAC_1_PI;
@@ -75,12 +75,12 @@ impl Microfacets {
     }
 
     /// Any roughness, and visible normals.
-    pub(super) fn visible(distribution: Distribution) -> Self {
+    pub(crate) fn visible(distribution: Distribution) -> Self {
         Self::new(distribution, NormalSampling::Visible, Vec2::ONE)
     }
 
     /// The distribution where visible normals are sampled.
-    pub(super) fn visible_distribution(&self) -> Option<Distribution> {
+    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
         (self.sampling == NormalSampling::Visible).then_some(self.distribution)
     }
 }
@@ -88,7 +88,7 @@ impl Microfacets {
 impl<R: Real> Microfacets<R> {
     /// The same roughness in all directions along the surface, and visible normals.
     #[inline(always)]
-    pub(super) fn isotropic(distribution: Distribution, alpha: R) -> Self {
+    pub(crate) fn isotropic(distribution: Distribution, alpha: R) -> Self {
         let (alpha, sampling) = (Vector2::new(alpha, alpha), NormalSampling::Visible);
         Self { alpha, distribution, sampling }.limited()
     }
@@ -111,7 +111,7 @@ impl<R: Real> Microfacets<R> {
 
     /// The same distribution with its numbers passed on, in lanes or out of them.
     #[inline(always)]
-    pub(super) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> Microfacets<T> {
+    pub(crate) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> Microfacets<T> {
         let Self { alpha, distribution, sampling } = self;
         let alpha = Vector2::new(numbers.number(alpha.x), numbers.number(alpha.y));
         Microfacets { alpha, distribution, sampling }

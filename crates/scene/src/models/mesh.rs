@@ -10,8 +10,8 @@ pub use parallelogram::{Parallelogram, ParallelogramBatch};
 pub use picture::Glow;
 pub use triangle::TriangleBatch;
 
-use super::{ShapeSample, SurfacePoint};
 use crate::interaction::SurfaceInteraction;
+use crate::shape::{ShapeSample, SurfacePoint};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Vector2, Vector3};
 use etendue_math::{Bounds3, Transform, rounding_error_bound};
@@ -305,7 +305,7 @@ impl Mesh {
 
     /// As [`Self::sample_area`] where the mesh is a flat parallelogram without a picture.
     #[inline(always)]
-    pub(super) fn sample_parallelogram(&self, random: Vec2) -> Option<ShapeSample> {
+    pub(crate) fn sample_parallelogram(&self, random: Vec2) -> Option<ShapeSample> {
         match &self.sampling {
             Some(AreaSampling::Parallelogram(sheet)) => Some(sheet.sample(random)),
             _ => None,

@@ -7,7 +7,7 @@ use etendue_math::lanes::{Mask as _, Real};
 /// Abramowitz and Stegun, *Handbook of Mathematical Functions*, 7.1.26. Callers have the
 /// exponential at hand, which is most of the work.
 #[inline(always)]
-pub(super) fn erf_given_exponential<R: Real>(x: R, exp_minus_square: R) -> R {
+pub(crate) fn erf_given_exponential<R: Real>(x: R, exp_minus_square: R) -> R {
     const COEFFICIENTS: [f32; 5] =
         [0.254_829_6, -0.284_496_73, 1.421_413_8, -1.453_152, 1.061_405_4];
     let t = (x.abs() * 0.327_591_1 + 1.0).reciprocal();
@@ -19,7 +19,7 @@ pub(super) fn erf_given_exponential<R: Real>(x: R, exp_minus_square: R) -> R {
 ///
 /// Giles, "Approximating the erfinv Function", *GPU Computing Gems Jade Edition*, 2011, chapter 10.
 #[inline(always)]
-pub(super) fn erf_inverse<R: Real>(y: R) -> R {
+pub(crate) fn erf_inverse<R: Real>(y: R) -> R {
     // The last numbers below one, where the logarithm would be infinite.
     let y = y.min(y.like(0.999_999_94)).max(y.like(-0.999_999_94));
     let w = -((-y + 1.0) * (y + 1.0)).ln();

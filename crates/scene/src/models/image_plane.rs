@@ -1,17 +1,17 @@
 //! The image in front of a pinhole, in world space.
 
-use super::SensorCommon;
+use crate::sensor::SensorCommon;
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 
 /// How a pinhole camera sees: what the film covers at distance one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct View {
+pub(crate) struct View {
     /// Half the width and half the height of what the film covers at distance one.
-    pub(super) half_size: DVec2,
+    pub(crate) half_size: DVec2,
     /// By how much of the film's size the view is moved: positive values show what lies further
     /// right and further down.
-    pub(super) shift: DVec2,
+    pub(crate) shift: DVec2,
 }
 
 impl View {
@@ -22,7 +22,7 @@ impl View {
 
     /// Camera space to the film: after division by w, x and y are the film position, and z is 0 at
     /// the near and 1 at the far plane.
-    pub(super) fn projection(&self, common: &SensorCommon) -> DMat4 {
+    pub(crate) fn projection(&self, common: &SensorCommon) -> DMat4 {
         let (near, far) = (f64::from(common.near_clip), f64::from(common.far_clip));
         let scale = -0.5 / self.half_size;
         let centre = 0.5 - self.shift;
@@ -38,17 +38,17 @@ impl View {
 /// A [`View`] in world space. Vectors are divided by the scale of the camera's z axis, so that they
 /// stay in range whatever it is; `near` and `length` make up for it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ImagePlane {
+pub(crate) struct ImagePlane {
     corner: Vec3,
     across: Vec3,
     down: Vec3,
     /// The near plane and the distance to the far plane, in world units along the view.
-    pub(super) near: f32,
-    pub(super) length: f32,
+    pub(crate) near: f32,
+    pub(crate) length: f32,
 }
 
 impl ImagePlane {
-    pub(super) fn new(view: &View, common: &SensorCommon) -> Self {
+    pub(crate) fn new(view: &View, common: &SensorCommon) -> Self {
         let matrix = common.matrix();
         let scale = matrix.z_axis.length();
         let world = |camera: DVec3| (matrix * camera / scale).as_vec3();
@@ -64,13 +64,13 @@ impl ImagePlane {
 
     /// The world direction of a film position, of length one along the view.
     #[inline]
-    pub(super) fn direction(&self, film_position: Vec2) -> Vec3 {
+    pub(crate) fn direction(&self, film_position: Vec2) -> Vec3 {
         self.direction_lanes::<f32>(film_position.into()).into()
     }
 
     /// As [`Self::direction`], over any [`Real`].
     #[inline(always)]
-    pub(super) fn direction_lanes<R: Real>(&self, film_position: Vector2<R>) -> Vector3<R> {
+    pub(crate) fn direction_lanes<R: Real>(&self, film_position: Vector2<R>) -> Vector3<R> {
         let Vector2 { x, y } = film_position;
         Vector3::like(x, self.corner)
             + Vector3::like(x, self.across) * x

@@ -1,12 +1,9 @@
 //! The closures of several hits, one to a lane.
 
-use super::material::{COLUMNS, LaneKind, LaneMaterial, transfer};
-use super::{LaneClosure as _, SampleLanes, Transfer};
-use crate::bsdf::coat::{CoatLanes, CoatTable};
+use super::materials::{COLUMNS, LaneKind, LaneMaterial, transfer};
 use crate::bsdf::conductor::ConductorClosure;
 use crate::bsdf::dielectric::DielectricClosure;
 use crate::bsdf::diffuse::DiffuseClosure;
-use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::plastic::PlasticClosure;
 use crate::bsdf::roughconductor::RoughConductorClosure;
 use crate::bsdf::roughdielectric::RoughDielectricClosure;
@@ -15,6 +12,9 @@ use crate::bsdf::thindielectric::ThinDielectricClosure;
 use crate::bsdf::{Material, Materials, Transport};
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::{LaneClosure as _, SampleLanes, Transfer};
+use crate::models::coat::{CoatLanes, CoatTable};
+use crate::models::microfacet::Distribution;
 use crate::texture::Textures;
 use etendue_math::lanes::{LaneArray, LaneMask, Lanes, MAX_LANES, Real, Simd, Vector2, Vector3};
 use etendue_spectrum::SpectrumLanes;

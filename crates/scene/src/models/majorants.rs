@@ -14,7 +14,7 @@ use glam::{Affine3A, IVec3, Vec3, Vec3A};
 
 /// Bounds of the extinction in a box.
 #[derive(Clone, Debug)]
-pub(super) struct Majorants {
+pub(crate) struct Majorants {
     bounds: Bounds3,
     /// No channel is above it anywhere.
     greatest: f32,
@@ -76,7 +76,7 @@ const MOST_STEPS: f32 = 4096.0;
 
 impl Majorants {
     /// Bounds of an extinction that is multiplied by `scale`.
-    pub(super) fn new(extinction: &Volume, scale: f32) -> Self {
+    pub(crate) fn new(extinction: &Volume, scale: f32) -> Self {
         let blocks = match extinction {
             Volume::Grid(grid) if grid.ends_at_its_faces() => Some(Blocks::new(grid, scale)),
             _ => None,
@@ -85,17 +85,17 @@ impl Majorants {
         Self { bounds: extinction.bounds(), greatest, blocks }
     }
 
-    pub(super) fn greatest(&self) -> f32 {
+    pub(crate) fn greatest(&self) -> f32 {
         self.greatest
     }
 
-    pub(super) fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         self.blocks.as_ref().map_or(0, |blocks| std::mem::size_of_val(blocks.values.as_slice()))
     }
 
     /// Follows a ray of unit direction.
     #[inline]
-    pub(super) fn track(&self, ray: &Ray) -> Tracker<'_> {
+    pub(crate) fn track(&self, ray: &Ray) -> Tracker<'_> {
         let (start, end) = crossing(&self.bounds, ray);
         let mut tracker = Tracker {
             start,

@@ -1,0 +1,4 @@
+//! Helpers of the tests: plugins built from a few nodes or a line of XML.
+
+pub(crate) mod material;
+pub(crate) mod node;
