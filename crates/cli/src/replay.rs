@@ -70,7 +70,7 @@ pub(crate) fn show(job: &RenderJob<'_>, id: SampleId) -> Result<(), Failure> {
     shown.push_str(&format!("radiance  {red} {green} {blue}\n"));
     shown.push_str(&format!("alpha     {}\n", replay.sample.alpha));
     shown.push_str(&format!("weight    {}\n", replay.sample.weight));
-    for (name, value) in job.camera().layers().iter().zip(&replay.layers) {
+    for (name, value) in job.camera().channels().iter().zip(&replay.channels) {
         shown.push_str(&format!("{name}  {value}\n"));
     }
     terminal::result(&shown)

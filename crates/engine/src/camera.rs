@@ -1,24 +1,24 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
-use etendue_integrators::{CameraRay, Integrator, Radiance, SplatTarget, Start};
+use etendue_integrators::{CameraRay, Integrator, Radiance, Splat, SplatTarget, Start};
 use etendue_math::with_lanes;
 use etendue_sampling::{Sampler, SamplerSpec, draw_points};
 use etendue_scene::{Scene, SensorSetup};
-use etendue_spectrum::Spectrum;
 use glam::{UVec2, Vec2};
 
-use crate::Splat;
-use crate::source::{Sample, SampleId, SampleSource};
+use crate::PixelSplat;
+use crate::source::{PixelSplatSink, Sample, SampleId, SampleSource, SplatSource};
 
-/// Where the random numbers of a sample's particle begin, beyond those of its camera ray.
-const PARTICLE_DIMENSION: u32 = 4;
-/// Where those begin that spread a particle's splats over pixels, far beyond those of its path.
+/// The dimension where the integrator's random numbers begin, beyond those of the camera ray.
+const INTEGRATOR_DIMENSION: u32 = 4;
+/// The dimension where the random numbers begin that filter a particle's splats, far beyond those
+/// of its path.
 const FILTER_DIMENSION: u32 = 1 << 24;
 
 /// One camera of a scene, ready to be asked for samples.
 ///
-/// A sample takes its random numbers in this order: two for the place within the reconstruction
-/// filter, two for the aperture, and the rest is the integrator's.
+/// The first two random numbers of a sample choose the place within the reconstruction filter, the
+/// next two the point of the aperture; the rest are the integrator's.
 #[derive(Clone, Copy)]
 pub struct Camera<'a> {
     scene: &'a Scene,
@@ -32,12 +32,12 @@ pub struct Camera<'a> {
 /// A sample taken alone, to look into it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
-    /// Where it belongs.
+    /// Its name.
     pub id: SampleId,
-    /// What it says about its pixel.
+    /// What it adds to its pixel.
     pub sample: Sample,
-    /// The values of the extra layers.
-    pub layers: Vec<f32>,
+    /// The values of the integrator's channels.
+    pub channels: Vec<f32>,
 }
 
 impl<'a> Camera<'a> {
@@ -59,79 +59,76 @@ impl<'a> Camera<'a> {
 
     /// Takes one sample exactly as a render takes it.
     pub fn replay(&self, id: SampleId) -> Replay {
-        let mut layers = vec![0.0; self.integrator.layers().len()];
-        let sample = self.sample(id, &mut layers);
-        Replay { id, sample, layers }
+        let mut channels = vec![0.0; self.integrator.channels().len()];
+        let (mut rays, responses) = self.start(&[id]);
+        let CameraRay { start, sampler } = &mut rays[0];
+        let radiance = self.integrator.sample(self.scene, start, sampler, &mut channels);
+        Replay { id, sample: responses[0].to(&radiance), channels }
     }
 }
 
 impl SampleSource for Camera<'_> {
-    fn layers(&self) -> &[String] {
-        self.integrator.layers()
+    fn channels(&self) -> &[String] {
+        self.integrator.channels()
     }
 
-    fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
-        layers.fill(0.0);
-        let (mut rays, responses) = self.start(&[id]);
-        let CameraRay { start, stream } = &mut rays[0];
-        let radiance = self.integrator.sample(self.scene, start, stream, layers);
-        responses[0].to(&radiance)
-    }
-
-    fn sample_batch(&self, ids: &[SampleId], layers: &mut [f32], samples: &mut Vec<Sample>) {
-        layers.fill(0.0);
+    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+        channels.fill(0.0);
         let (mut rays, responses) = self.start(ids);
         let mut radiance = Vec::with_capacity(ids.len());
-        self.integrator.sample_batch(self.scene, &mut rays, layers, &mut radiance);
+        self.integrator.sample_batch(self.scene, &mut rays, channels, &mut radiance);
         samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
     }
 
-    fn has_splats(&self) -> bool {
-        self.integrator.traces_particles()
+    fn splats(&self) -> Option<&dyn SplatSource> {
+        self.integrator.particles().is_some().then_some(self)
     }
+}
 
-    fn splat(&self, id: SampleId, add: &mut dyn FnMut(Splat)) {
-        let size = UVec2::new(self.setup.film.width, self.setup.film.height);
+impl SplatSource for Camera<'_> {
+    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>) {
+        let Some(particles) = self.integrator.particles() else { return };
+        let film = &self.setup.film;
+        let size = UVec2::new(film.width, film.height);
         let pixel_count = f64::from(size.x) * f64::from(size.y);
-        let pixel = UVec2::new(id.x, id.y);
-        let mut stream = self.sampler.start(pixel, id.index);
-        stream.set_dimension(PARTICLE_DIMENSION);
-        let mut filter_stream = stream;
-        filter_stream.set_dimension(FILTER_DIMENSION);
-        let mut add_splat = |film_position: Vec2, color: Spectrum| {
+        let mut sampler = self.sampler.start(UVec2::new(id.x, id.y), id.index);
+        sampler.set_dimension(INTEGRATOR_DIMENSION);
+        let mut filter_sampler = sampler;
+        filter_sampler.set_dimension(FILTER_DIMENSION);
+        let mut filtered_sink = |Splat { film_position, color }| {
             // The filter is sampled, as it is for the camera's own samples.
-            let (offset, weight) = self.setup.film.filter.sample(filter_stream.next_2d());
+            let (offset, weight) = film.filter.sample(filter_sampler.next_2d());
             let place = film_position * size.as_vec2() + offset;
             if place.cmpge(Vec2::ZERO).all() {
                 let UVec2 { x, y } = place.as_uvec2();
                 let scale = f64::from(weight) * pixel_count;
-                add(Splat { x, y, color: color.rgb().map(|value| scale * f64::from(value)) });
+                sink(PixelSplat { x, y, color: color.rgb().map(|value| scale * f64::from(value)) });
             }
         };
-        let margin = self.setup.film.filter.radius() * self.pixel_size;
+        let margin = film.filter.radius() * self.pixel_size;
         let target = SplatTarget { sensor: &self.setup.sensor, margin };
-        self.integrator.trace_particle(self.scene, target, &mut stream, &mut add_splat);
+        particles.trace_particle(self.scene, &mut sampler, &target, &mut filtered_sink);
     }
 }
 
 impl Camera<'_> {
-    /// The random numbers of samples, of which neighbours mostly belong to one pixel.
-    fn streams(&self, ids: &[SampleId]) -> Vec<Sampler> {
+    /// The samplers of some ids, of which neighbours mostly belong to one pixel.
+    fn samplers(&self, ids: &[SampleId]) -> Vec<Sampler> {
         let of_one_pixel = ids.chunk_by(|a, b| (a.x, a.y) == (b.x, b.y));
-        let mut streams = Vec::with_capacity(ids.len());
+        let mut samplers = Vec::with_capacity(ids.len());
         for ids in of_one_pixel {
             let pixel = self.sampler.pixel(UVec2::new(ids[0].x, ids[0].y));
-            streams.extend(ids.iter().map(|id| pixel.start(id.index)));
+            samplers.extend(ids.iter().map(|id| pixel.start(id.index)));
         }
-        streams
+        samplers
     }
 
     /// The rays that samples start with, and how the camera responds to what arrives along them.
-    fn start(&self, ids: &[SampleId]) -> (Vec<CameraRay>, Vec<Response>) {
+    pub(crate) fn start(&self, ids: &[SampleId]) -> (Vec<CameraRay>, Vec<Response>) {
         let level = self.scene.level();
-        let mut streams = self.streams(ids);
+        let mut samplers = self.samplers(ids);
         let mut points = Vec::with_capacity(ids.len());
-        with_lanes!(level, simd => draw_points(simd, &mut streams, &mut points));
+        with_lanes!(level, simd => draw_points(simd, &mut samplers, &mut points));
         let filter = &self.setup.film.filter;
         let mut filter_weights = Vec::with_capacity(ids.len());
         for (id, point) in ids.iter().zip(&mut points) {
@@ -140,15 +137,18 @@ impl Camera<'_> {
             filter_weights.push(weight);
         }
         let film_positions = points;
-        let apertures = self.draw_apertures(&mut streams);
+        let apertures = self.draw_apertures(&mut samplers);
         let mut sensor_rays = Vec::with_capacity(ids.len());
         let places = (film_positions.as_slice(), apertures.as_slice());
         self.setup.sensor.sample_rays(level, places, &mut sensor_rays);
         let medium = self.setup.medium;
         let rays = sensor_rays
             .iter()
-            .zip(streams)
-            .map(|(sensor, stream)| CameraRay { start: Start { ray: sensor.ray, medium }, stream })
+            .zip(samplers)
+            .map(|(sensor, sampler)| CameraRay {
+                start: Start { ray: sensor.ray, medium },
+                sampler,
+            })
             .collect();
         let responses = sensor_rays
             .iter()
@@ -158,25 +158,25 @@ impl Camera<'_> {
         (rays, responses)
     }
 
-    /// The points of the aperture. The numbers for the lens are passed over where there is none:
-    /// drawing them costs, and what follows must not depend on it.
-    fn draw_apertures(&self, streams: &mut [Sampler]) -> Vec<Vec2> {
-        let mut apertures = Vec::with_capacity(streams.len());
+    /// The points of the aperture. Without a lens, their numbers are skipped: drawing them costs
+    /// time, and the numbers that follow must not depend on it.
+    fn draw_apertures(&self, samplers: &mut [Sampler]) -> Vec<Vec2> {
+        let mut apertures = Vec::with_capacity(samplers.len());
         if self.setup.sensor.has_lens() {
-            with_lanes!(self.scene.level(), simd => draw_points(simd, streams, &mut apertures));
+            with_lanes!(self.scene.level(), simd => draw_points(simd, samplers, &mut apertures));
             return apertures;
         }
-        for stream in streams.iter_mut() {
-            stream.set_dimension(stream.dimension().wrapping_add(2));
+        for sampler in samplers.iter_mut() {
+            sampler.set_dimension(sampler.dimension().wrapping_add(2));
         }
-        apertures.resize(streams.len(), Vec2::ZERO);
+        apertures.resize(samplers.len(), Vec2::ZERO);
         apertures
     }
 }
 
-/// What becomes of the radiance that arrives along a camera ray.
+/// How the camera weighs the radiance that arrives along a ray.
 #[derive(Clone, Copy)]
-struct Response {
+pub(crate) struct Response {
     /// The sensor's response.
     sensor: f32,
     /// The reconstruction filter's weight.

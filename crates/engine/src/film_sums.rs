@@ -22,7 +22,7 @@ use crate::{EngineError, Job};
 #[derive(Debug)]
 pub struct FilmSums {
     region: Region,
-    layer_names: Vec<String>,
+    channel_names: Vec<String>,
     kind: TileKind,
     tile_side: u32,
     tiles: Vec<Mutex<Tile>>,
@@ -57,13 +57,13 @@ impl FilmSums {
     ) -> Result<Self, EngineError> {
         let tile_side = job.region.tile_side(thread_count);
         let kind = kind(job, source);
-        Self::with_tiles(job.region, source.layers(), kind, (tile_side, job.memory_limit))
+        Self::with_tiles(job.region, source.channels(), kind, (tile_side, job.memory_limit))
     }
 
     /// The same with tiles of a given side.
     pub(crate) fn with_tiles(
         region: Region,
-        layer_names: &[String],
+        channel_names: &[String],
         kind: TileKind,
         (tile_side, memory_limit): (u32, u64),
     ) -> Result<Self, EngineError> {
@@ -78,7 +78,7 @@ impl FilmSums {
         let tiles = region.tiles(tile_side);
         let tiles = tiles.into_iter().map(|tile| Mutex::new(Tile::new(tile, kind))).collect();
         let splats = kind.splats.then(|| Splats::new(region));
-        Ok(Self { region, layer_names: layer_names.to_vec(), kind, tile_side, tiles, splats })
+        Ok(Self { region, channel_names: channel_names.to_vec(), kind, tile_side, tiles, splats })
     }
 
     /// The bytes that the sums of a job and its finished picture take together.
@@ -163,8 +163,8 @@ impl FilmSums {
                 picture.push(name, plane);
             }
         }
-        for (layer, name) in self.layer_names.iter().enumerate() {
-            let channel = COLOR_CHANNELS + layer;
+        for (index, name) in self.channel_names.iter().enumerate() {
+            let channel = COLOR_CHANNELS + index;
             picture.push(name, self.plane(|tile, pixel| tile.mean(pixel, channel)));
         }
         for (channel, name) in VARIANCE_NAMES.into_iter().enumerate() {
@@ -204,7 +204,7 @@ impl FilmSums {
             least == most
         };
         let sums = |film: &Self| {
-            (film.region, film.layer_names.clone(), film.kind.variance, film.kind.splats)
+            (film.region, film.channel_names.clone(), film.kind.variance, film.kind.splats)
         };
         let is_same = sums(self) == sums(other);
         if !is_same || !is_even(self) || !is_even(other) {
@@ -260,8 +260,8 @@ impl FilmSums {
     }
 
     /// The names of the layers beside the colour.
-    pub fn layer_names(&self) -> &[String] {
-        &self.layer_names
+    pub fn channel_names(&self) -> &[String] {
+        &self.channel_names
     }
 
     /// Whether squares are summed.
@@ -301,9 +301,9 @@ impl FilmSums {
 
 fn kind<S: SampleSource>(job: &Job, source: &S) -> TileKind {
     TileKind {
-        layer_count: source.layers().len(),
+        extra_count: source.channels().len(),
         variance: job.variance,
-        splats: source.has_splats(),
+        splats: source.splats().is_some(),
         first_sample: job.first_sample,
     }
 }

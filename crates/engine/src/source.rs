@@ -1,8 +1,48 @@
-//! Where samples come from: the seam between scheduling and light transport.
+//! The seam between the driver and whatever it renders: samples by name.
 
 use etendue_spectrum::Spectrum;
 
-use crate::Splat;
+use crate::PixelSplat;
+
+/// A source of samples that are named by pixel and index, shared by all threads.
+///
+/// This is all that the driver and the film know of what they render. A [`crate::Camera`] is the
+/// source that a scene is: it turns each name into a ray, asks the
+/// [`Integrator`](etendue_integrators::Integrator) for the light along it, and applies sensor and
+/// filter. An integrator knows rays and no pixels; a source knows pixels and no rays, so that the
+/// driver can be tested on formulas.
+///
+/// # Contract
+/// - A sample is a pure function of its id: whatever was asked before, and however ids are divided
+///   into batches, it has the same bits.
+pub trait SampleSource: Sync {
+    /// The names of the channels beside colour and alpha, such as `albedo.R`.
+    fn channels(&self) -> &[String];
+
+    /// Takes a sample for each id, in order, and appends them to `samples`.
+    ///
+    /// `channels` has a value for each of [`Self::channels`] of each sample, sample after sample. They
+    /// come with any content, and each is overwritten.
+    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>);
+
+    /// The splats that belong to the samples, if there are any.
+    fn splats(&self) -> Option<&dyn SplatSource> {
+        None
+    }
+}
+
+/// A source of light that lands anywhere on the film, under the names of samples.
+///
+/// # Contract
+/// - The splats of a sample are a pure function of its id.
+/// - The mean of the splats over all samples of the film is added to the picture.
+pub trait SplatSource: Sync {
+    /// Gives the splats of one sample to `sink`.
+    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>);
+}
+
+/// Takes the splats of a sample.
+pub type PixelSplatSink<'a> = dyn FnMut(PixelSplat) + 'a;
 
 /// Names one sample of a picture. With the seed, it decides everything about the sample.
 ///
@@ -17,7 +57,7 @@ pub struct SampleId {
     pub x: u32,
 }
 
-/// What one sample says about its pixel.
+/// What one sample adds to its pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// The radiance that arrives at the sensor, times the sensor's response.
@@ -26,35 +66,4 @@ pub struct Sample {
     pub alpha: f32,
     /// The reconstruction filter's weight, of mean 1; negative where the filter is.
     pub weight: f32,
-}
-
-/// A pure function from sample names to samples, shared by all threads.
-///
-/// # Contract
-/// - The same id gives the same sample, bit for bit, whatever was asked before.
-/// - `layers` comes in with as many values as there are names in [`SampleSource::layers`], of any
-///   content, and every one is written.
-pub trait SampleSource: Sync {
-    /// The names of the extra layers, such as `albedo.R`.
-    fn layers(&self) -> &[String];
-
-    /// Takes one sample.
-    fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample;
-
-    /// Takes many samples, as [`Self::sample`] takes each, and appends them to `samples`. `layers`
-    /// has the places of all of them, one after the other.
-    fn sample_batch(&self, ids: &[SampleId], layers: &mut [f32], samples: &mut Vec<Sample>) {
-        let layer_count = self.layers().len();
-        samples.extend(ids.iter().enumerate().map(|(index, &id)| {
-            self.sample(id, &mut layers[index * layer_count..(index + 1) * layer_count])
-        }));
-    }
-
-    /// Whether samples leave splats, too.
-    fn has_splats(&self) -> bool {
-        false
-    }
-
-    /// Hands over what the sample leaves anywhere on the film.
-    fn splat(&self, _id: SampleId, _add: &mut dyn FnMut(Splat)) {}
 }

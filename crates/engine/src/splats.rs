@@ -5,9 +5,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockW
 use crate::exact_sums::ExactSums;
 use crate::region::Region;
 
-/// What one particle adds to one pixel.
+/// Light that a particle adds to one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Splat {
+pub struct PixelSplat {
     /// The column in the whole film, from 0 at the left.
     pub x: u32,
     /// The row in the whole film, from 0 at the top.
@@ -65,7 +65,7 @@ impl Splats {
     }
 
     /// Adds a splat, if it lies in the region; those that are not finite are the caller's to leave out.
-    pub(crate) fn add(&self, splat: &Splat) {
+    pub(crate) fn add(&self, splat: &PixelSplat) {
         let (Some(column), Some(row)) =
             (splat.x.checked_sub(self.region.x), splat.y.checked_sub(self.region.y))
         else {
@@ -109,7 +109,7 @@ mod tests {
     fn splats_land_in_their_pixels_and_beyond_the_region_nowhere() {
         let splats = Splats::new(REGION);
         for (x, y) in [(4, 2), (5, 2), (1, 1), (2, 3), (2, 0), (u32::MAX, u32::MAX)] {
-            splats.add(&Splat { x, y, color: [1.0, 2.0, 4.0] });
+            splats.add(&PixelSplat { x, y, color: [1.0, 2.0, 4.0] });
         }
         let mut plane = vec![0.5; 6];
         splats.add_to(&mut plane, 1, 8);

@@ -9,7 +9,7 @@ use crate::statistics::{Defect, Defects};
 use etendue_math::lanes::{Level, Simd};
 use etendue_math::with_lanes;
 
-/// Red, green, blue and alpha; the extra layers follow.
+/// Red, green, blue and alpha; the extra channels follow.
 pub(crate) const COLOR_CHANNELS: usize = 4;
 
 /// Red, green and blue have squares.
@@ -36,7 +36,7 @@ pub(crate) struct Tile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileKind {
     /// Channels beyond red, green, blue and alpha.
-    pub(crate) layer_count: usize,
+    pub(crate) extra_count: usize,
     /// Whether squares are summed.
     pub(crate) variance: bool,
     /// Whether samples leave splats, too, which belong to the film as a whole.
@@ -49,14 +49,14 @@ impl TileKind {
     /// Sums of values and of squares.
     pub(crate) fn sums_per_pixel(self) -> u64 {
         let squared = if self.variance { SQUARED_CHANNELS } else { 0 };
-        (COLOR_CHANNELS + self.layer_count + squared) as u64
+        (COLOR_CHANNELS + self.extra_count + squared) as u64
     }
 }
 
 impl Tile {
     pub(crate) fn new(region: Region, kind: TileKind) -> Self {
         let pixel_count = region.pixel_count() as usize;
-        let channel_count = COLOR_CHANNELS + kind.layer_count;
+        let channel_count = COLOR_CHANNELS + kind.extra_count;
         let squared = if kind.variance { pixel_count * SQUARED_CHANNELS } else { 0 };
         Self {
             region,
@@ -120,7 +120,7 @@ impl Tile {
     ) -> u64 {
         let Region { x, y, width, height } = self.region;
         let count = end.saturating_sub(self.next_sample);
-        let mut batch = Batch::new(source.layers().len());
+        let mut batch = Batch::new(source.channels().len());
         for row in 0..if count > 0 { height } else { 0 } {
             for column in 0..width {
                 if let Some(splats) = splats {
@@ -146,9 +146,10 @@ impl Tile {
         end: u32,
         splats: &Splats,
     ) {
+        let Some(splat_source) = source.splats() else { return };
         for index in self.next_sample..end {
             let id = SampleId { index, y, x };
-            source.splat(id, &mut |splat| {
+            splat_source.trace_splats(id, &mut |splat| {
                 if splat.color.iter().all(|value| value.is_finite()) {
                     splats.add(&splat);
                 } else {
@@ -160,29 +161,29 @@ impl Tile {
 
     /// Takes the samples of a batch, adds them to their pixels, and empties the batch.
     fn take<S: SampleSource>(&mut self, source: &S, batch: &mut Batch) {
-        let layer_count = batch.layer_count;
-        batch.layers.resize(batch.ids.len() * layer_count, 0.0);
-        source.sample_batch(&batch.ids, &mut batch.layers, &mut batch.samples);
+        let extra_count = batch.extra_count;
+        batch.channels.resize(batch.ids.len() * extra_count, 0.0);
+        source.take_samples(&batch.ids, &mut batch.channels, &mut batch.samples);
         with_lanes!(Level::new(), simd => self.add_batch(simd, batch));
     }
 
     /// Adds the samples of a batch to their pixels, and empties the batch.
     #[inline(always)]
     fn add_batch<V: Simd>(&mut self, simd: V, batch: &mut Batch) {
-        let layer_count = batch.layer_count;
+        let extra_count = batch.extra_count;
         // By reference: taken out one by one, ids of twelve bytes would be read back in pieces that
         // the processor cannot forward, half of the time that sums take.
         for (place, (id, sample)) in batch.ids.iter().zip(&batch.samples).enumerate() {
-            let layers = &batch.layers[place * layer_count..(place + 1) * layer_count];
-            self.add(simd, *id, sample, layers);
+            let channels = &batch.channels[place * extra_count..(place + 1) * extra_count];
+            self.add(simd, *id, sample, channels);
         }
         batch.ids.clear();
         batch.samples.clear();
     }
 
     #[inline(always)]
-    fn add<V: Simd>(&mut self, simd: V, id: SampleId, sample: &Sample, layers: &[f32]) {
-        if let Some(defect) = find_defect(sample, layers) {
+    fn add<V: Simd>(&mut self, simd: V, id: SampleId, sample: &Sample, channels: &[f32]) {
+        if let Some(defect) = find_defect(sample, channels) {
             self.defects.add(defect, id);
             return;
         }
@@ -190,7 +191,7 @@ impl Tile {
         let pixel = row * self.region.width as usize + (id.x - self.region.x) as usize;
         self.counts[pixel] += 1;
         let place = pixel * self.channel_count;
-        add(simd, &mut self.sums.slice_mut(place, self.channel_count), sample, layers);
+        add(simd, &mut self.sums.slice_mut(place, self.channel_count), sample, channels);
         if !self.squares.is_empty() {
             let place = pixel * SQUARED_CHANNELS;
             add_squares(&mut self.squares.slice_mut(place, SQUARED_CHANNELS), sample);
@@ -205,29 +206,29 @@ const BATCH_SIZE: usize = 2048;
 
 /// Samples that are taken together.
 struct Batch {
-    layer_count: usize,
+    extra_count: usize,
     ids: Vec<SampleId>,
     samples: Vec<Sample>,
-    /// The layers of all samples, one after the other.
-    layers: Vec<f32>,
+    /// The channels of all samples, one after the other.
+    channels: Vec<f32>,
 }
 
 impl Batch {
-    fn new(layer_count: usize) -> Self {
+    fn new(extra_count: usize) -> Self {
         Self {
-            layer_count,
+            extra_count,
             ids: Vec::with_capacity(BATCH_SIZE),
             samples: Vec::with_capacity(BATCH_SIZE),
-            layers: Vec::with_capacity(BATCH_SIZE * layer_count),
+            channels: Vec::with_capacity(BATCH_SIZE * extra_count),
         }
     }
 }
 
 /// Why a sample cannot be part of a picture, if it cannot. Only light has a sign to be wrong:
-/// layers such as positions may be negative, and so may the filter's weight.
-fn find_defect(sample: &Sample, layers: &[f32]) -> Option<Defect> {
+/// channels such as positions may be negative, and so may the filter's weight.
+fn find_defect(sample: &Sample, channels: &[f32]) -> Option<Defect> {
     let finite = sample.color.is_finite() && sample.alpha.is_finite();
-    if !finite || layers.iter().any(|value| !value.is_finite()) {
+    if !finite || channels.iter().any(|value| !value.is_finite()) {
         Some(Defect::NonFinite)
     } else if sample.color.has_negative() {
         Some(Defect::Negative)
@@ -237,13 +238,13 @@ fn find_defect(sample: &Sample, layers: &[f32]) -> Option<Defect> {
 }
 
 #[inline(always)]
-fn add<V: Simd>(simd: V, sums: &mut SumsMut<'_>, sample: &Sample, layers: &[f32]) {
+fn add<V: Simd>(simd: V, sums: &mut SumsMut<'_>, sample: &Sample, channels: &[f32]) {
     let weight = f64::from(sample.weight);
     let [red, green, blue] = sample.color.rgb();
     let values: [f32; COLOR_CHANNELS] = [red, green, blue, sample.alpha];
     sums.add_four(simd, 0, values.map(|value| weight * f64::from(value)));
-    for (layer, &value) in layers.iter().enumerate() {
-        sums.add(COLOR_CHANNELS + layer, weight * f64::from(value));
+    for (index, &value) in channels.iter().enumerate() {
+        sums.add(COLOR_CHANNELS + index, weight * f64::from(value));
     }
 }
 

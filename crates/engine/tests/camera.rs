@@ -90,20 +90,21 @@ fn a_replayed_sample_is_the_one_that_was_rendered() {
         let replay = camera.replay(SampleId { index: 0, y: 4, x: 3 });
         let [red, green, blue] = replay.sample.color.rgb();
         let mut expected = vec![red, green, blue, replay.sample.alpha];
-        expected.extend(&replay.layers);
+        expected.extend(&replay.channels);
         let rendered: Vec<f32> = picture.channels.iter().map(|channel| channel.data[0]).collect();
         assert_eq!(rendered, expected);
-        assert_eq!(replay.layers.len(), camera.layers().len());
+        assert_eq!(replay.channels.len(), camera.channels().len());
     });
 }
 
 #[test]
-fn what_a_layer_held_before_does_not_matter() {
+fn what_a_channel_held_before_does_not_matter() {
     with_camera(|camera| {
         let id = SampleId { index: 5, y: 2, x: 1 };
-        let mut layers = vec![f32::NAN; camera.layers().len()];
-        let sample = camera.sample(id, &mut layers);
+        let mut channels = vec![f32::NAN; camera.channels().len()];
+        let mut samples = Vec::new();
+        camera.take_samples(&[id], &mut channels, &mut samples);
         let replay = camera.replay(id);
-        assert_eq!((sample, layers), (replay.sample, replay.layers));
+        assert_eq!((samples, channels), (vec![replay.sample], replay.channels));
     });
 }

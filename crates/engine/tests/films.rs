@@ -5,16 +5,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use etendue_engine::{
     Budget, Cancel, Channels, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums, Job,
-    Region, Sample, SampleId, SampleSource, Silent, Splat, Workers, add_samples,
+    PixelSplat, PixelSplatSink, Region, Sample, SampleId, SampleSource, Silent, SplatSource,
+    Workers, add_samples,
 };
 use etendue_image::Picture;
 use etendue_spectrum::Spectrum;
 use proptest::prelude::*;
 
-/// Noise over twelve orders of magnitude, with defects now and then, a layer of both signs, and splats
-/// anywhere.
+/// Noise over twelve orders of magnitude, with defects now and then, a channel of both signs, and
+/// splats anywhere.
 struct Noise {
-    layers: Vec<String>,
+    channels: Vec<String>,
     /// Cancels when so many samples have been taken.
     stop: Option<(u64, Cancel)>,
     taken: AtomicU64,
@@ -22,28 +23,38 @@ struct Noise {
 
 impl Noise {
     fn new() -> Self {
-        Self { layers: vec!["layer.Z".to_owned()], stop: None, taken: AtomicU64::new(0) }
+        Self { channels: vec!["channel.Z".to_owned()], stop: None, taken: AtomicU64::new(0) }
     }
 }
 
 impl SampleSource for Noise {
-    fn layers(&self) -> &[String] {
-        &self.layers
+    fn channels(&self) -> &[String] {
+        &self.channels
     }
 
-    fn has_splats(&self) -> bool {
-        true
+    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+        for (id, channel) in ids.iter().zip(channels) {
+            samples.push(self.sample(*id, channel));
+        }
     }
 
-    fn splat(&self, id: SampleId, add: &mut dyn FnMut(Splat)) {
-        let sample = self.sample(id, &mut [0.0]);
+    fn splats(&self) -> Option<&dyn SplatSource> {
+        Some(self)
+    }
+}
+
+impl SplatSource for Noise {
+    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>) {
+        let sample = self.sample(id, &mut 0.0);
         let mixed = (id.x * 7919 + id.y * 104_729 + id.index * 31).wrapping_mul(0x9e37_79b9) >> 8;
         let color =
             sample.color.rgb().map(|value| f64::from(if value.is_nan() { 1.0 } else { value }));
-        add(Splat { x: REGION.x + mixed % REGION.width, y: mixed % 29, color });
+        sink(PixelSplat { x: REGION.x + mixed % REGION.width, y: mixed % 29, color });
     }
+}
 
-    fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
+impl Noise {
+    fn sample(&self, id: SampleId, channel: &mut f32) -> Sample {
         if let Some((count, cancel)) = &self.stop
             && self.taken.fetch_add(1, Ordering::Relaxed) >= *count
         {
@@ -56,7 +67,7 @@ impl SampleSource for Noise {
             (state >> 40) as f32 / 16_777_216.0
         };
         let color = [next(), next(), next()].map(|value| value * 10_f32.powf(next() * 12.0 - 6.0));
-        layers[0] = next() - 0.5;
+        *channel = next() - 0.5;
         let (alpha, weight) = (next(), 1.5 - 2.0 * next());
         let color = if next() < 0.01 { [f32::NAN; 3] } else { color };
         Sample { color: Spectrum::from_rgb(color), alpha, weight }
@@ -180,7 +191,7 @@ fn what_is_written_is_read_again() {
     let (file, again) = read(&write(&film)).unwrap();
     assert_eq!(file.record, record());
     assert_eq!((file.region, file.first_sample, file.samples_per_pixel), (REGION, 3, 6));
-    assert_eq!((file.layer_names.as_slice(), file.variance), (Noise::new().layers(), true));
+    assert_eq!((file.channel_names.as_slice(), file.variance), (Noise::new().channels(), true));
     assert_eq!(picture(&again), picture(&film));
     assert!(film.defects().total() > 0, "otherwise the next line says nothing");
     assert_eq!(again.defects(), film.defects());
@@ -233,7 +244,7 @@ fn films_that_do_not_belong_together_are_not_merged() {
     let other = Job { region: Region { x: 6, ..REGION }, ..job(2) };
     let elsewhere = FilmSums::new(&other, &Noise::new(), 1).unwrap();
     assert_eq!(film.merge(&elsewhere), Err(EngineError::OtherFilm));
-    let plain = FilmSums::new(&job(2), &Noise { layers: Vec::new(), ..Noise::new() }, 1).unwrap();
+    let plain = FilmSums::new(&job(2), &Noise { channels: Vec::new(), ..Noise::new() }, 1).unwrap();
     assert_eq!(film.merge(&plain), Err(EngineError::OtherFilm));
     let without = Job { variance: false, ..job(2) };
     let without = FilmSums::new(&without, &Noise::new(), 1).unwrap();

@@ -13,23 +13,25 @@ use etendue_spectrum::Spectrum;
 
 /// A source that computes each sample by a function.
 struct Formula<F> {
-    layers: Vec<String>,
+    channels: Vec<String>,
     sample: F,
 }
 
 impl<F: Fn(SampleId) -> Sample + Sync> SampleSource for Formula<F> {
-    fn layers(&self) -> &[String] {
-        &self.layers
+    fn channels(&self) -> &[String] {
+        &self.channels
     }
 
-    fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
-        layers.fill(id.y as f32);
-        (self.sample)(id)
+    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+        for (id, row) in ids.iter().zip(channels) {
+            *row = id.y as f32;
+            samples.push((self.sample)(*id));
+        }
     }
 }
 
 fn formula<F: Fn(SampleId) -> Sample + Sync>(sample: F) -> Formula<F> {
-    Formula { layers: vec!["row.Y".to_owned()], sample }
+    Formula { channels: vec!["row.Y".to_owned()], sample }
 }
 
 /// Grey light of full coverage and weight.
@@ -124,18 +126,20 @@ fn defective_samples_are_counted_named_and_left_out() {
 }
 
 #[test]
-fn a_defective_layer_is_a_defect_and_a_negative_layer_is_none() {
-    struct Layers;
-    impl SampleSource for Layers {
-        fn layers(&self) -> &[String] {
+fn a_channel_that_is_not_finite_is_a_defect_and_a_negative_one_is_none() {
+    struct OneChannel;
+    impl SampleSource for OneChannel {
+        fn channels(&self) -> &[String] {
             const { &[String::new()] }
         }
-        fn sample(&self, id: SampleId, layers: &mut [f32]) -> Sample {
-            layers[0] = if id.index == 0 { f32::NAN } else { -4.0 };
-            grey(1.0)
+        fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+            for (id, channel) in ids.iter().zip(channels) {
+                *channel = if id.index == 0 { f32::NAN } else { -4.0 };
+                samples.push(grey(1.0));
+            }
         }
     }
-    let (_, statistics) = render(&Layers, &job(3), 1);
+    let (_, statistics) = render(&OneChannel, &job(3), 1);
     assert_eq!(statistics.defects.total(), REGION.pixel_count());
 }
 

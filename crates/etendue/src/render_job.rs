@@ -142,7 +142,7 @@ impl<'a> RenderJob<'a> {
             ("sampler", format!("{:?}", sampler.kind())),
             ("planned samples", self.planned_samples.to_string()),
             ("seed", sampler.seed().to_string()),
-            ("layers", self.camera.layers().join(", ")),
+            ("layers", self.camera.channels().join(", ")),
             ("variance", self.job.variance.to_string()),
         ];
         let own = own.map(|(name, value)| (name.to_owned(), value));

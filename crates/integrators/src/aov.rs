@@ -56,26 +56,25 @@ const KINDS: [(&str, Kind, &[&str]); 10] = [
     ("shape_index", Kind::ShapeIndex, &["I"]),
 ];
 
-/// Adds layers to a picture.
+/// Adds channels to a picture.
 pub struct Aov {
     kinds: Vec<Kind>,
     /// Those of the nested integrators, then those of the kinds.
-    layers: Vec<String>,
+    channels: Vec<String>,
     nested: Vec<Nested>,
 }
 
 impl Aov {
-    /// Reads the list of layers; the picture is that of the first of `nested`.
+    /// Reads the list of channels; the picture is that of the first of `nested`.
     #[must_use]
-    pub fn build(parameters: &Parameters<'_>, nested: Vec<(String, Box<dyn Integrator>)>) -> Self {
-        let nested: Vec<Nested> =
-            nested.into_iter().map(|(name, integrator)| Nested { name, integrator }).collect();
-        let mut layers: Vec<String> = Vec::new();
+    pub fn build(parameters: &Parameters<'_>, nested: Vec<Nested>) -> Self {
+        let mut channels: Vec<String> = Vec::new();
         for nested in &nested {
-            layers.extend(nested.layer_names());
-            layers.extend(["R", "G", "B", "A"].map(|channel| format!("{}.{channel}", nested.name)));
+            channels.extend(nested.channel_names());
+            channels
+                .extend(["R", "G", "B", "A"].map(|channel| format!("{}.{channel}", nested.name)));
         }
-        let mut aov = Self { kinds: Vec::new(), layers, nested };
+        let mut aov = Self { kinds: Vec::new(), channels, nested };
         for item in parameters.string("aovs", "").split(',').map(str::trim) {
             if item.is_empty() {
                 continue;
@@ -96,12 +95,12 @@ impl Aov {
             return;
         };
         self.kinds.push(*kind);
-        self.layers.extend(channels.iter().map(|channel| format!("{name}.{channel}")));
+        self.channels.extend(channels.iter().map(|channel| format!("{name}.{channel}")));
     }
 
-    fn fill(&self, scene: &Scene, surface: &SurfaceInteraction, layers: &mut [f32]) {
+    fn fill(&self, scene: &Scene, surface: &SurfaceInteraction, channels: &mut [f32]) {
         let bsdf = scene.prepare_bsdf(surface);
-        let mut rest = layers;
+        let mut rest = channels;
         for kind in &self.kinds {
             let (values, count) = kind.values(surface, &bsdf);
             rest = write(rest, &values[..count]);
@@ -129,28 +128,28 @@ impl Kind {
 }
 
 impl Integrator for Aov {
-    fn layers(&self) -> &[String] {
-        &self.layers
+    fn channels(&self) -> &[String] {
+        &self.channels
     }
 
     fn sample(
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut Sampler,
-        layers: &mut [f32],
+        sampler: &mut Sampler,
+        channels: &mut [f32],
     ) -> Radiance {
-        sample_alone(self, scene, start, stream, layers)
+        sample_alone(self, scene, start, sampler, channels)
     }
 
     fn sample_batch(
         &self,
         scene: &Scene,
         rays: &mut [CameraRay],
-        layers: &mut [f32],
+        channels: &mut [f32],
         radiance: &mut Vec<Radiance>,
     ) {
-        let mut rows = Rows::new(layers, self.layers.len());
+        let mut rows = Rows::new(channels, self.channels.len());
         let mut first = None;
         for nested in &self.nested {
             let seen = nested.sample_batch(scene, rays, &mut rows);

@@ -20,57 +20,55 @@ pub(crate) const MANUAL: Manual = Manual {
 /// Records second moments.
 pub struct Moment {
     nested: Vec<Nested>,
-    layers: Vec<String>,
+    channels: Vec<String>,
 }
 
 impl Moment {
     /// Records the moments of `nested`, by name.
     #[must_use]
-    pub fn new(nested: Vec<(String, Box<dyn Integrator>)>) -> Self {
-        let nested: Vec<Nested> =
-            nested.into_iter().map(|(name, integrator)| Nested { name, integrator }).collect();
-        let mut layers: Vec<String> = Vec::new();
+    pub fn new(nested: Vec<Nested>) -> Self {
+        let mut channels: Vec<String> = Vec::new();
         for nested in &nested {
-            layers.extend(nested.layer_names());
-            layers.extend(["X", "Y", "Z"].map(|channel| format!("{}.{channel}", nested.name)));
+            channels.extend(nested.channel_names());
+            channels.extend(["X", "Y", "Z"].map(|channel| format!("{}.{channel}", nested.name)));
         }
-        let squares: Vec<String> = layers.iter().map(|layer| format!("m2_{layer}")).collect();
-        layers.extend(squares);
-        Self { nested, layers }
+        let squares: Vec<String> = channels.iter().map(|channel| format!("m2_{channel}")).collect();
+        channels.extend(squares);
+        Self { nested, channels }
     }
 }
 
 impl Integrator for Moment {
-    fn layers(&self) -> &[String] {
-        &self.layers
+    fn channels(&self) -> &[String] {
+        &self.channels
     }
 
     fn sample(
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut Sampler,
-        layers: &mut [f32],
+        sampler: &mut Sampler,
+        channels: &mut [f32],
     ) -> Radiance {
-        sample_alone(self, scene, start, stream, layers)
+        sample_alone(self, scene, start, sampler, channels)
     }
 
     fn sample_batch(
         &self,
         scene: &Scene,
         rays: &mut [CameraRay],
-        layers: &mut [f32],
+        channels: &mut [f32],
         radiance: &mut Vec<Radiance>,
     ) {
-        let width = self.layers.len();
-        let mut rows = Rows::new(layers, width);
+        let width = self.channels.len();
+        let mut rows = Rows::new(channels, width);
         let mut first = None;
         for nested in &self.nested {
             let seen = nested.sample_batch(scene, rays, &mut rows);
             rows.append(3, |row| rgb_to_xyz(seen[row].color.rgb()));
             first.get_or_insert(seen);
         }
-        for row in layers.chunks_exact_mut(width.max(1)) {
+        for row in channels.chunks_exact_mut(width.max(1)) {
             let (values, squares) = row.split_at_mut(width / 2);
             for (square, value) in squares.iter_mut().zip(values) {
                 *square = *value * *value;

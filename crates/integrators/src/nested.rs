@@ -1,39 +1,40 @@
-//! An integrator inside another one: its name, and its place among the layers.
+//! An integrator inside another one: its name, and its place among the channels.
 
 use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_sampling::Sampler;
 use etendue_scene::Scene;
 
-/// A nested integrator.
-pub(crate) struct Nested {
-    /// What the scene calls it: the prefix of its layers.
-    pub(crate) name: String,
-    pub(crate) integrator: Box<dyn Integrator>,
+/// An integrator inside another one.
+pub struct Nested {
+    /// What the scene calls it: the prefix of its channels.
+    pub name: String,
+    /// How it computes light.
+    pub integrator: Box<dyn Integrator>,
 }
 
 impl Nested {
-    /// The names of its own layers, each behind its name.
-    pub(crate) fn layer_names(&self) -> impl Iterator<Item = String> + '_ {
-        self.integrator.layers().iter().map(|layer| format!("{}.{layer}", self.name))
+    /// The names of its own channels, each prefixed with its name.
+    pub(crate) fn channel_names(&self) -> impl Iterator<Item = String> + '_ {
+        self.integrator.channels().iter().map(|channel| format!("{}.{channel}", self.name))
     }
 
-    /// Takes a sample of each ray; the integrator's own layers become the next columns of `rows`.
+    /// Takes a sample of each ray; the integrator's own channels become the next columns of `rows`.
     pub(crate) fn sample_batch(
         &self,
         scene: &Scene,
         rays: &mut [CameraRay],
         rows: &mut Rows<'_>,
     ) -> Vec<Radiance> {
-        let columns = self.integrator.layers().len();
-        let mut layers = vec![0.0; columns * rays.len()];
+        let columns = self.integrator.channels().len();
+        let mut channels = vec![0.0; columns * rays.len()];
         let mut radiance = Vec::with_capacity(rays.len());
-        self.integrator.sample_batch(scene, rays, &mut layers, &mut radiance);
-        rows.append(columns, |row| &layers[row * columns..(row + 1) * columns]);
+        self.integrator.sample_batch(scene, rays, &mut channels, &mut radiance);
+        rows.append(columns, |row| &channels[row * columns..(row + 1) * columns]);
         radiance
     }
 }
 
-/// The layers of many samples: a row for each, filled from the left.
+/// The channels of many samples: a row for each, filled from the left.
 pub(crate) struct Rows<'a> {
     values: &'a mut [f32],
     width: usize,
@@ -69,20 +70,20 @@ pub(crate) fn sample_alone(
     integrator: &impl Integrator,
     scene: &Scene,
     start: &Start,
-    stream: &mut Sampler,
-    layers: &mut [f32],
+    sampler: &mut Sampler,
+    channels: &mut [f32],
 ) -> Radiance {
-    let mut rays = [CameraRay { start: *start, stream: *stream }];
+    let mut rays = [CameraRay { start: *start, sampler: *sampler }];
     let mut radiance = Vec::with_capacity(1);
-    integrator.sample_batch(scene, &mut rays, layers, &mut radiance);
-    let [CameraRay { stream: rest, .. }] = rays;
-    *stream = rest;
+    integrator.sample_batch(scene, &mut rays, channels, &mut radiance);
+    let [CameraRay { sampler: rest, .. }] = rays;
+    *sampler = rest;
     radiance.pop().unwrap_or(Radiance::NONE)
 }
 
-/// Writes values to the first of `layers` and returns the rest.
-pub(crate) fn write<'a>(layers: &'a mut [f32], values: &[f32]) -> &'a mut [f32] {
-    let (own, rest) = layers.split_at_mut(values.len());
+/// Writes values to the first of `channels` and returns the rest.
+pub(crate) fn write<'a>(channels: &'a mut [f32], values: &[f32]) -> &'a mut [f32] {
+    let (own, rest) = channels.split_at_mut(values.len());
     own.copy_from_slice(values);
     rest
 }

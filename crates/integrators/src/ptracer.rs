@@ -2,7 +2,7 @@
 
 use crate::light::{Origin, emitted, first_hit, first_sight};
 use crate::path::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH, depths};
-use crate::{AddSplat, Integrator, Radiance, SplatTarget, Start};
+use crate::{Integrator, ParticleIntegrator, Radiance, Splat, SplatSink, SplatTarget, Start};
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_sampling::Sampler;
@@ -56,6 +56,12 @@ struct Particle {
     eta: f32,
 }
 
+/// Where a particle's path meets a surface.
+struct Vertex<'a> {
+    surface: &'a SurfaceInteraction,
+    bsdf: &'a Bsdf<'a>,
+}
+
 impl ParticleTracer {
     /// Reads a particle tracer.
     #[must_use]
@@ -67,9 +73,9 @@ impl ParticleTracer {
     }
 
     /// Lets a particle start at an emitter.
-    fn emit(scene: &Scene, stream: &mut Sampler) -> Option<Particle> {
-        let mut choice_random = stream.next_1d();
-        let (place, direction) = (stream.next_2d(), stream.next_2d());
+    fn emit(scene: &Scene, sampler: &mut Sampler) -> Option<Particle> {
+        let mut choice_random = sampler.next_1d();
+        let (place, direction) = (sampler.next_2d(), sampler.next_2d());
         let choice = scene.choose_emitter(&mut choice_random)?;
         let leaving = scene.emitter(choice.emitter).sample_ray(scene, place, direction)?;
         let power = leaving.power / choice.probability;
@@ -80,10 +86,11 @@ impl ParticleTracer {
     fn connect(
         &self,
         scene: &Scene,
-        (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
+        vertex: &Vertex<'_>,
         particle: &Particle,
         connection: &Connection,
     ) -> Spectrum {
+        let Vertex { surface, bsdf } = vertex;
         let hidden = self.hide_emitters && scene.emitter_of(surface).is_some();
         if hidden || !bsdf.has_smooth_lobe() {
             return Spectrum::ZERO;
@@ -117,13 +124,14 @@ impl ParticleTracer {
     /// Goes on from a vertex; false where the particle ends.
     fn scatter(
         &self,
-        (surface, bsdf): (&SurfaceInteraction, &Bsdf<'_>),
+        vertex: &Vertex<'_>,
         particle: &mut Particle,
-        stream: &mut Sampler,
+        sampler: &mut Sampler,
         depth: u32,
     ) -> bool {
-        let direction = stream.next_2d();
-        let Vec2 { x: lobe, y: roulette } = stream.next_independent_2d();
+        let Vertex { surface, bsdf } = vertex;
+        let direction = sampler.next_2d();
+        let Vec2 { x: lobe, y: roulette } = sampler.next_independent_2d();
         let Some(sample) = bsdf.sample(surface.wi, lobe, direction, Transport::Importance) else {
             return false;
         };
@@ -179,32 +187,35 @@ impl Integrator for ParticleTracer {
         if self.max_depth > 0 { radiance } else { Radiance { color: Spectrum::ZERO, ..radiance } }
     }
 
-    fn traces_particles(&self) -> bool {
-        true
+    fn particles(&self) -> Option<&dyn ParticleIntegrator> {
+        Some(self)
     }
+}
 
+impl ParticleIntegrator for ParticleTracer {
     fn trace_particle(
         &self,
         scene: &Scene,
-        target: SplatTarget<'_>,
-        stream: &mut Sampler,
-        add_splat: &mut AddSplat<'_>,
+        sampler: &mut Sampler,
+        target: &SplatTarget<'_>,
+        sink: &mut SplatSink<'_>,
     ) {
-        let Some(mut particle) = Self::emit(scene, stream) else { return };
+        let Some(mut particle) = Self::emit(scene, sampler) else { return };
         // The last edge leads to the camera.
         let mut depth = 1;
         while depth < self.max_depth {
             let Some(surface) = scene.intersect(&particle.ray) else { return };
             let bsdf = scene.prepare_bsdf(&surface);
-            let connection = target.sensor.connect(surface.point, stream.next_2d());
-            let connection = connection.filter(|found| target.holds(found.film_position));
+            let vertex = Vertex { surface: &surface, bsdf: &bsdf };
+            let connection = target.sensor.connect(surface.point, sampler.next_2d());
+            let connection = connection.filter(|found| target.contains(found.film_position));
             if let Some(connection) = connection {
-                let color = self.connect(scene, (&surface, &bsdf), &particle, &connection);
+                let color = self.connect(scene, &vertex, &particle, &connection);
                 if !color.is_black() {
-                    add_splat(connection.film_position, color);
+                    sink(Splat { film_position: connection.film_position, color });
                 }
             }
-            if !self.scatter((&surface, &bsdf), &mut particle, stream, depth) {
+            if !self.scatter(&vertex, &mut particle, sampler, depth) {
                 return;
             }
             depth += 1;

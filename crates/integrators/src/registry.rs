@@ -1,8 +1,8 @@
 //! Every integrator, one line each.
 
 use crate::{
-    Aov, Depth, Direct, Integrator, Moment, ParticleTracer, Path, VolumePath, aov, depth, direct,
-    moment, path, ptracer, volpath, volpathmis,
+    Aov, Depth, Direct, Integrator, Moment, Nested, ParticleTracer, Path, VolumePath, aov, depth,
+    direct, moment, path, ptracer, volpath, volpathmis,
 };
 use etendue_document::{
     Child, Class, Diagnostic, Diagnostics, Document, Fault, NodeId, Parameters, Span,
@@ -84,8 +84,8 @@ pub static INTEGRATORS: &[IntegratorPlugin] = &[
 const MAX_NESTING: u32 = 8;
 
 impl Build<'_> {
-    /// The integrators nested in this one, by name.
-    fn nested(&self) -> Option<Vec<(String, Box<dyn Integrator>)>> {
+    /// The integrators nested in this one.
+    fn nested(&self) -> Option<Vec<Nested>> {
         if self.nesting >= MAX_NESTING {
             self.parameters.error(Fault::Limit, "", "integrators are nested too deeply");
             return None;
@@ -99,7 +99,7 @@ impl Build<'_> {
             let options = IntegratorOptions { name: None, ..self.options.clone() };
             let build =
                 Build { parameters: &parameters, options: &options, nesting: self.nesting + 1 };
-            nested.push((name, build.by_name(parameters.plugin())?));
+            nested.push(Nested { name, integrator: build.by_name(parameters.plugin())? });
             parameters.finish();
         }
         Some(nested)

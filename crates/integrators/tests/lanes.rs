@@ -73,16 +73,16 @@ fn setup(integrator: &str, material: &str, tier: Option<Tier>) -> Setup {
 
 /// Rays from a corner of the room all over it.
 fn rays() -> Vec<CameraRay> {
-    let sampler = SamplerSpec::new(SamplerKind::Sobol, 4, 7);
+    let plan = SamplerSpec::new(SamplerKind::Sobol, 4, 7);
     let samples = (0..12).flat_map(|x| (0..8).map(move |y| UVec2::new(x, y)));
     samples
         .flat_map(|pixel| (0..4).map(move |index| (pixel, index)))
         .map(|(pixel, index)| {
-            let mut stream = sampler.start(pixel, index);
-            let place = (pixel.as_vec2() + stream.next_2d()) / 10.0 - 0.5;
+            let mut sampler = plan.start(pixel, index);
+            let place = (pixel.as_vec2() + sampler.next_2d()) / 10.0 - 0.5;
             let towards = Vec3::new(1.0 - 0.5 * place.x, 0.6 + place.x, 0.4 - place.y);
             let ray = Ray::new(Vec3::new(-3.0, -2.0, -0.5), towards.normalize());
-            CameraRay { start: Start { ray, medium: None }, stream }
+            CameraRay { start: Start { ray, medium: None }, sampler }
         })
         .collect()
 }
@@ -96,7 +96,7 @@ impl Setup {
 
     fn alone(&self) -> Vec<Radiance> {
         let sample = |mut ray: CameraRay| {
-            self.integrator.sample(&self.scene, &ray.start, &mut ray.stream, &mut [])
+            self.integrator.sample(&self.scene, &ray.start, &mut ray.sampler, &mut [])
         };
         rays().into_iter().map(sample).collect()
     }

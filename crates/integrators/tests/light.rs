@@ -37,15 +37,15 @@ impl Setup {
     fn measure(&self, origin: Vec3, direction: Vec3, samples: u32) -> Accumulator {
         let spec = SamplerSpec::new(SamplerKind::Independent, samples, 5);
         let mut accumulator = Accumulator::default();
-        let mut layers = vec![0.0; self.integrator.layers().len()];
+        let mut channels = vec![0.0; self.integrator.channels().len()];
         for index in 0..samples {
-            let mut stream = spec.start(UVec2::new(3, 4), index);
+            let mut sampler = spec.start(UVec2::new(3, 4), index);
             let ray = Ray::new(origin, direction.normalize());
             let radiance = self.integrator.sample(
                 &self.scene,
                 &Start { ray, medium: None },
-                &mut stream,
-                &mut layers,
+                &mut sampler,
+                &mut channels,
             );
             accumulator.add(f64::from(radiance.color.luminance()));
         }
@@ -252,10 +252,12 @@ fn layers_hold_what_they_are_named_for() {
         "far.Y",
         "far.Z",
     ];
-    let layers = integrator.layers();
-    assert_eq!(layers.len(), 2 * names.len());
-    assert_eq!(layers[..names.len()], names);
-    assert!(layers[names.len()..].iter().zip(names).all(|(m2, name)| *m2 == format!("m2_{name}")));
+    let channels = integrator.channels();
+    assert_eq!(channels.len(), 2 * names.len());
+    assert_eq!(channels[..names.len()], names);
+    assert!(
+        channels[names.len()..].iter().zip(names).all(|(m2, name)| *m2 == format!("m2_{name}"))
+    );
     let spec = SamplerSpec::new(SamplerKind::Independent, 1, 0);
     let mut values = vec![0.0; 2 * names.len()];
     let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);

@@ -64,8 +64,8 @@ impl Setup {
         let mut channels = [(); 3].map(|()| Accumulator::default());
         let start = Start { ray, medium: None };
         for index in 0..samples {
-            let mut stream = spec.start(UVec2::new(3, 4), index);
-            let radiance = self.integrator.sample(&self.scene, &start, &mut stream, &mut []);
+            let mut sampler = spec.start(UVec2::new(3, 4), index);
+            let radiance = self.integrator.sample(&self.scene, &start, &mut sampler, &mut []);
             for (channel, value) in channels.iter_mut().zip(radiance.color.rgb()) {
                 channel.add(f64::from(value));
             }
@@ -243,8 +243,8 @@ fn a_ray_may_start_inside() {
     let spec = SamplerSpec::new(SamplerKind::Independent, 20_000, 5);
     let mut found = [(); 3].map(|()| Accumulator::default());
     for index in 0..20_000 {
-        let mut stream = spec.start(UVec2::ZERO, index);
-        let radiance = setup.integrator.sample(&setup.scene, &start, &mut stream, &mut []);
+        let mut sampler = spec.start(UVec2::ZERO, index);
+        let radiance = setup.integrator.sample(&setup.scene, &start, &mut sampler, &mut []);
         found.iter_mut().zip(radiance.color.rgb()).for_each(|(sum, value)| sum.add(value.into()));
     }
     assert_close("inside", &found, [0.3, 1.0, 2.5].map(|sigma: f64| (-sigma).exp()));

@@ -23,8 +23,8 @@ pub struct FilmFile {
     pub first_sample: u32,
     /// Samples that every pixel has, at least.
     pub samples_per_pixel: u32,
-    /// The names of the extra layers.
-    pub layer_names: Vec<String>,
+    /// The names of the extra channels.
+    pub channel_names: Vec<String>,
     /// Whether there are squares, for variances.
     pub variance: bool,
     /// Whether there are splats.
@@ -78,7 +78,7 @@ impl FilmFile {
             tile_side: cursor.u32()?,
             variance: cursor.u8()? != 0,
             splats: cursor.u8()? != 0,
-            layer_names: cursor.list(Cursor::text)?,
+            channel_names: cursor.list(Cursor::text)?,
             header: Vec::new(),
         };
         file.check()?;
@@ -117,7 +117,7 @@ impl FilmFile {
         memory_limit: u64,
     ) -> Result<FilmSums, FilmFileError> {
         let kind = TileKind {
-            layer_count: self.layer_names.len(),
+            extra_count: self.channel_names.len(),
             variance: self.variance,
             splats: self.splats,
             first_sample: self.first_sample,
@@ -130,7 +130,7 @@ impl FilmFile {
         }
         let mut film = FilmSums::with_tiles(
             self.region,
-            &self.layer_names,
+            &self.channel_names,
             kind,
             (self.tile_side, memory_limit),
         )

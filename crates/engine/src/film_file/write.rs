@@ -69,8 +69,8 @@ impl FilmSums {
         }
         bytes.push(u8::from(self.has_variance()));
         bytes.push(u8::from(self.splats().is_some()));
-        push_length(&mut bytes, self.layer_names().len());
-        for name in self.layer_names() {
+        push_length(&mut bytes, self.channel_names().len());
+        for name in self.channel_names() {
             push_text(&mut bytes, name);
         }
         bytes

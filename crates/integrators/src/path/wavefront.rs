@@ -113,7 +113,7 @@ pub(super) struct Wavefront<'a> {
 impl State {
     fn new(ray: &CameraRay) -> Self {
         Self {
-            stream: ray.stream,
+            stream: ray.sampler,
             origin: Origin { point: ray.start.ray.origin, pdf: None },
             throughput: Spectrum::ONE,
             eta: 1.0,
