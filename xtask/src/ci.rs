@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::workspace::{cargo, has_subcommand};
-use crate::{deps, generate, leaks, links, openjd, seeds, slurm, splines, suite};
+use crate::{deps, generate, leaks, links, openjd, package, seeds, slurm, splines, suite};
 
 /// How a step ended.
 enum Outcome {
@@ -33,6 +33,7 @@ const STEPS: &[Step] = &[
     Step { name: "documentation", run: documentation },
     Step { name: "seed scenes", run: seed_scenes },
     Step { name: "render tests", run: render_tests },
+    Step { name: "packages", run: || passed(package::run(&[])) },
     Step { name: "unused dependencies", run: unused_dependencies },
     Step { name: "licences", run: licences },
 ];

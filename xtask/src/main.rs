@@ -15,6 +15,7 @@ mod kill;
 mod leaks;
 mod links;
 mod openjd;
+mod package;
 mod portable_float_map;
 mod seeds;
 mod slurm;
@@ -48,6 +49,7 @@ const TASKS: &[Task] = &[
     },
     Task { name: "links", about: "relative links in Markdown files", run: links::run },
     Task { name: "openjd", about: "the template for Open Job Description", run: openjd::run },
+    Task { name: "package", about: "packages: complete, publishable", run: package::run },
     Task { name: "seeds", about: "the seed scenes beside their references", run: seeds::run },
     Task { name: "slurm", about: "the scripts for Slurm, on a real one", run: slurm::run },
     Task { name: "soak", about: "constant memory: [MINUTES] [SCENE]", run: soak::run },

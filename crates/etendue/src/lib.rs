@@ -86,3 +86,8 @@ pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SampleChoice, SceneOption
 pub use render_job::{RenderJob, render_file, render_text};
 pub use rendering::Rendering;
 pub use sums_file::SumsFile;
+
+/// Compiles the example of the README as a documentation test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
