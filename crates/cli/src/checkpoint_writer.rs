@@ -155,11 +155,11 @@ impl CheckpointWriter<'_> {
 
     fn write_preview(&self) {
         let Some(target) = self.preview else { return };
-        let [least, most] = self.film.samples_per_pixel();
-        if most == 0 {
+        let samples_per_pixel = self.film.samples_per_pixel();
+        if samples_per_pixel.most == 0 {
             return;
         }
-        let statistics = Statistics { samples_per_pixel: [least, most], ..Statistics::default() };
+        let statistics = Statistics { samples_per_pixel, ..Statistics::default() };
         let rendering = self.job.develop(self.film, statistics, self.seconds());
         if let Err(failure) = target.write(rendering.encode(target.format)) {
             self.display.warn(&failure.message);

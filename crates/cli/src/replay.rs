@@ -1,7 +1,7 @@
 //! Samples that were left out of a picture, and how to look into one.
 
 use etendue::engine::SampleSource;
-use etendue::{Defect, Defects, RenderJob, SampleId};
+use etendue::{Defect, DefectiveSample, Defects, RenderJob, SampleId};
 
 use crate::failure::Failure;
 use crate::{terminal, text};
@@ -31,7 +31,7 @@ fn report_count(defects: &Defects) {
 
 fn report_samples(defects: &Defects) {
     let command = command_line();
-    for (id, defect) in &defects.first {
+    for DefectiveSample { id, defect } in &defects.first {
         let kind = match defect {
             Defect::NonFinite => "not finite",
             Defect::Negative => "negative",

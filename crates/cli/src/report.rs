@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use etendue::{LoadTimes, LoadedScene, RenderJob, Rendering, Statistics};
+use etendue::{LoadTimes, LoadedScene, RenderJob, Rendering, SamplesPerPixel, Statistics};
 
 use crate::outputs::Outputs;
 use crate::{terminal, text};
@@ -10,9 +10,11 @@ use crate::{terminal, text};
 /// `a.exr, a.png: 256x256, 64 samples per pixel in 1.20 s (3.41 Msamples/s)`.
 pub(crate) fn written(rendering: &Rendering, outputs: &Outputs) {
     let (picture, statistics) = (&rendering.picture, &rendering.statistics);
-    let samples = match statistics.samples_per_pixel {
-        [least, most] if least == most => text::counted(most as usize, "sample"),
-        [least, most] => format!("{least} to {most} samples"),
+    let SamplesPerPixel { least, most } = statistics.samples_per_pixel;
+    let samples = if least == most {
+        text::counted(most as usize, "sample")
+    } else {
+        format!("{least} to {most} samples")
     };
     terminal::message_line(&format!(
         "{}: {}x{}, {samples} per pixel in {} ({}samples/s){}",

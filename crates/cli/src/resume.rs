@@ -65,7 +65,7 @@ pub(crate) fn read(
     check(checkpoint, header, job)?;
     let limit = job.job().memory_limit;
     let (_, film) = checkpoint.read(limit).map_err(|error| unreadable(checkpoint, &error))?;
-    let [_, most] = film.samples_per_pixel();
+    let most = film.samples_per_pixel().most;
     let wanted = job.job().budget.samples_per_pixel;
     if let Some(wanted) = wanted.map(|end| end - film.first_sample())
         && most > wanted

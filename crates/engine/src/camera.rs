@@ -6,8 +6,9 @@ use etendue_sampling::{Sampler, SamplerSpec, draw_points};
 use etendue_scene::{Scene, SensorSetup};
 use glam::{UVec2, Vec2};
 
-use crate::PixelSplat;
+use crate::region::Region;
 use crate::source::{PixelSplatSink, Sample, SampleId, SampleSource, SplatSource};
+use crate::splats::PixelSplat;
 
 /// The dimension where the integrator's random numbers begin, beyond those of the camera ray.
 const INTEGRATOR_DIMENSION: u32 = 4;
@@ -55,6 +56,25 @@ impl<'a> Camera<'a> {
     /// Where its random numbers come from.
     pub fn sampler(&self) -> &SamplerSpec {
         &self.sampler
+    }
+
+    pub(crate) fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    pub(crate) fn integrator(&self) -> &'a dyn Integrator {
+        self.integrator
+    }
+
+    /// The whole film, whatever part of it is rendered.
+    pub(crate) fn film_region(&self) -> Region {
+        let film = &self.setup.film;
+        Region { x: 0, y: 0, width: film.width, height: film.height }
+    }
+
+    /// The same camera with other random numbers.
+    pub(crate) fn with_sampler(&self, sampler: SamplerSpec) -> Self {
+        Self { sampler, ..*self }
     }
 
     /// Takes one sample exactly as a render takes it.

@@ -1,16 +1,18 @@
-//! The state that all threads of a render share: what is done, when to report, when to stop.
+//! What all threads of a render share: how much is done, when to report, when to stop.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::render::Budget;
-use crate::{Cancel, FilmSums, Observer, Progress};
+use crate::film_sums::FilmSums;
+use crate::job::Budget;
+use crate::observer::{Cancel, Observer, Progress};
 
-/// Between two reports of progress.
+/// The time between two reports of progress.
 const REPORT_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Counts samples, tells the observer now and then, and knows when to stop. Touched once per tile.
+/// Counts samples, reports to the observer from time to time, and knows when to stop. It is used
+/// once per tile.
 pub(crate) struct Clock<'a> {
     observer: &'a dyn Observer,
     cancel: &'a Cancel,
@@ -21,13 +23,14 @@ pub(crate) struct Clock<'a> {
     samples_done: AtomicU64,
     /// Nanoseconds after the start at which the next report is due.
     next_report: AtomicU64,
-    /// Held while the observer is told, so that it hears one thing at a time.
-    telling: Mutex<()>,
+    /// Held during a report, so that the observer hears one at a time.
+    reporting: Mutex<()>,
 }
 
 impl<'a> Clock<'a> {
     pub(crate) fn start(
-        (film, budget): (&FilmSums, Budget),
+        film: &FilmSums,
+        budget: Budget,
         observer: &'a dyn Observer,
         cancel: &'a Cancel,
     ) -> Self {
@@ -43,34 +46,38 @@ impl<'a> Clock<'a> {
             samples_before,
             samples_done: AtomicU64::new(samples_before),
             next_report: AtomicU64::new(nanoseconds(REPORT_INTERVAL)),
-            telling: Mutex::new(()),
+            reporting: Mutex::new(()),
         }
     }
 
-    /// Whether the next tile may begin. The first pass runs to its end even if time is up, so that
-    /// no pixel stays empty.
-    pub(crate) fn may_go_on(&self, first_pass: FirstPass) -> bool {
-        let in_time =
-            first_pass.0 || self.time_limit.is_none_or(|limit| self.started.elapsed() < limit);
-        in_time && !self.cancel.is_cancelled()
+    /// Whether there is time left and nobody has cancelled.
+    pub(crate) fn may_go_on(&self) -> bool {
+        self.is_in_time() && !self.cancel.is_cancelled()
     }
 
-    /// Counts the samples of a finished tile, and reports if it is time to.
-    pub(crate) fn count(&self, samples: u64) {
+    fn is_in_time(&self) -> bool {
+        self.time_limit.is_none_or(|limit| self.started.elapsed() < limit)
+    }
+
+    /// The clock as the tiles of one pass see it.
+    pub(crate) fn of_pass(&self, kind: PassKind) -> PassClock<'_> {
+        PassClock { clock: self, kind }
+    }
+
+    fn count(&self, samples: u64) {
         self.samples_done.fetch_add(samples, Ordering::Relaxed);
         let now = nanoseconds(self.started.elapsed());
         if now < self.next_report.load(Ordering::Relaxed) {
             return;
         }
-        // Whoever comes second finds the lock taken and goes on rendering.
-        if let Ok(_telling) = self.telling.try_lock() {
+        // A second thread finds the lock taken and goes on rendering.
+        if let Ok(_reporting) = self.reporting.try_lock() {
             self.next_report.store(now + nanoseconds(REPORT_INTERVAL), Ordering::Relaxed);
             self.observer.progress(&self.progress());
         }
     }
 
-    /// How far the render is.
-    pub(crate) fn progress(&self) -> Progress {
+    fn progress(&self) -> Progress {
         Progress {
             samples_done: self.samples_done.load(Ordering::Relaxed),
             samples_before: self.samples_before,
@@ -80,7 +87,7 @@ impl<'a> Clock<'a> {
         }
     }
 
-    /// Reports the end and returns the state at it.
+    /// Reports the end, and returns what it reported.
     pub(crate) fn finish(&self) -> Progress {
         let progress = self.progress();
         self.observer.progress(&progress);
@@ -88,9 +95,33 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// Whether the pass is the one that gives every pixel its first sample.
+/// The clock of one pass.
+pub(crate) struct PassClock<'a> {
+    clock: &'a Clock<'a>,
+    kind: PassKind,
+}
+
+/// Whether a pass may be cut short by the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct FirstPass(pub(crate) bool);
+pub(crate) enum PassKind {
+    /// Gives every pixel its first sample. It ignores the time, so that no pixel stays empty.
+    First,
+    /// Ends when time is up.
+    Later,
+}
+
+impl PassClock<'_> {
+    /// Whether the next tile may begin.
+    pub(crate) fn may_go_on(&self) -> bool {
+        let in_time = self.kind == PassKind::First || self.clock.is_in_time();
+        in_time && !self.clock.cancel.is_cancelled()
+    }
+
+    /// Counts the samples of a finished tile, and reports if a report is due.
+    pub(crate) fn count(&self, samples: u64) {
+        self.clock.count(samples);
+    }
+}
 
 fn nanoseconds(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)

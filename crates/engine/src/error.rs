@@ -12,18 +12,20 @@ pub enum EngineError {
         width: u32,
         /// Height of the rendered region in pixels.
         height: u32,
-        /// What the sums and the finished picture would take together.
+        /// The bytes that the film and the finished picture would take together.
         bytes: u64,
-        /// What is allowed.
+        /// The bytes that they may take.
         limit: u64,
     },
     /// The region has no pixels, or lies outside the film.
     BadRegion,
-    /// The budget has no samples, or neither samples nor time are limited.
+    /// The budget has no samples, or limits neither samples nor time.
     NoBudget,
-    /// Films that are to be merged have other pixels or layers, or are not finished.
+    /// The films to merge have different pixels or channels, or unfinished samples.
     OtherFilm,
-    /// The operating system does not give the threads, for this reason.
+    /// It was cancelled before the integrator was trained.
+    Cancelled,
+    /// The operating system refuses to start the threads, for this reason.
     Threads(String),
 }
 
@@ -32,16 +34,22 @@ impl fmt::Display for EngineError {
         match self {
             Self::FilmTooLarge { width, height, bytes, limit } => write!(
                 formatter,
-                "a film of {width}x{height} pixels needs {} of memory, allowed are {}",
+                "a film of {width}x{height} pixels needs {} of memory; the limit is {}",
                 gigabytes(*bytes),
                 gigabytes(*limit)
             ),
-            Self::BadRegion => write!(formatter, "the part to render has no pixels of the film"),
-            Self::NoBudget => write!(formatter, "there is neither a number of samples nor a time"),
+            Self::BadRegion => {
+                write!(formatter, "the region to render has no pixels, or lies outside the film")
+            }
+            Self::NoBudget => write!(
+                formatter,
+                "neither the number of samples nor the time is limited, or there are no samples"
+            ),
             Self::OtherFilm => write!(
                 formatter,
-                "films of other pixels or layers, or with unfinished samples, cannot be merged"
+                "films of different pixels or layers, or with unfinished samples, cannot be merged"
             ),
+            Self::Cancelled => write!(formatter, "cancelled during training"),
             Self::Threads(reason) => write!(formatter, "threads cannot be started: {reason}"),
         }
     }

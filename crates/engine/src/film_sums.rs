@@ -1,24 +1,23 @@
 //! The sums of all pixels, and the picture they make.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, RwLockReadGuard};
 
 use etendue_image::Picture;
-use rayon::prelude::*;
 
+use crate::error::EngineError;
 use crate::exact_sums::ExactSums;
+use crate::job::Job;
 use crate::region::Region;
 use crate::source::SampleSource;
 use crate::splats::Splats;
-use crate::statistics::Defects;
+use crate::statistics::{Defects, SamplesPerPixel};
 use crate::tile::{COLOR_CHANNELS, Tile, TileKind};
-use crate::{EngineError, Job};
 
-/// What every sample so far adds up to, per pixel and channel, in sums that do not depend on any
-/// order (`exact_sums`).
+/// The sums of all samples so far, per pixel and channel. The order of samples does not change them
+/// (`exact_sums`).
 ///
-/// Each tile has a lock, which a thread holds while it renders the tile. So a picture can be
-/// developed, or a checkpoint written, from another thread at any time: every tile is seen between
-/// two of its turns.
+/// Each tile has a lock. A thread holds it for one turn, while it renders the tile. So another thread
+/// can develop a picture or write a checkpoint at any time: it sees every tile between two turns.
 #[derive(Debug)]
 pub struct FilmSums {
     region: Region,
@@ -26,8 +25,25 @@ pub struct FilmSums {
     kind: TileKind,
     tile_side: u32,
     tiles: Vec<Mutex<Tile>>,
-    /// What particles left, if there are any.
+    /// The sums of splats, if the source has any.
     splats: Option<Splats>,
+}
+
+/// What a film consists of before it has samples.
+pub(crate) struct FilmLayout {
+    pub(crate) region: Region,
+    /// The names of the channels beside colour and alpha.
+    pub(crate) channel_names: Vec<String>,
+    pub(crate) kind: TileKind,
+    pub(crate) tile_side: u32,
+}
+
+/// A tile while one thread adds samples to it, and the film's splats.
+pub(crate) struct Turn<'a> {
+    pub(crate) tile: MutexGuard<'a, Tile>,
+    pub(crate) splats: Option<&'a Splats>,
+    /// Whoever reads the splats waits until it is dropped.
+    _splats_turn: Option<RwLockReadGuard<'a, ()>>,
 }
 
 /// Which channels a picture gets.
@@ -35,16 +51,16 @@ pub struct FilmSums {
 pub struct Channels {
     /// Whether alpha follows red, green and blue.
     pub alpha: bool,
-    /// Whether the variance of each pixel's mean follows as the layers `variance.R`, `.G`, `.B`. It
-    /// is zero unless the [`Job`] said that it would be wanted.
+    /// Whether the variance of each pixel's mean follows as the layer `variance.R`, `.G`, `.B`. It
+    /// is zero unless the [`Job`] asked for it.
     pub variance: bool,
 }
 
-/// The names of the variance layers.
+/// The names of the variances.
 const VARIANCE_NAMES: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 
 impl FilmSums {
-    /// Sums without samples, of tiles that suit the number of threads.
+    /// A film without samples. The number of threads decides the size of its tiles.
     ///
     /// # Errors
     ///
@@ -55,18 +71,18 @@ impl FilmSums {
         source: &S,
         thread_count: usize,
     ) -> Result<Self, EngineError> {
-        let tile_side = job.region.tile_side(thread_count);
-        let kind = kind(job, source);
-        Self::with_tiles(job.region, source.channels(), kind, (tile_side, job.memory_limit))
+        let layout = FilmLayout {
+            region: job.region,
+            channel_names: source.channels().to_vec(),
+            kind: kind(job, source),
+            tile_side: job.region.tile_side(thread_count),
+        };
+        Self::with_layout(layout, job.memory_limit)
     }
 
-    /// The same with tiles of a given side.
-    pub(crate) fn with_tiles(
-        region: Region,
-        channel_names: &[String],
-        kind: TileKind,
-        (tile_side, memory_limit): (u32, u64),
-    ) -> Result<Self, EngineError> {
+    /// A film without samples.
+    pub(crate) fn with_layout(layout: FilmLayout, memory_limit: u64) -> Result<Self, EngineError> {
+        let FilmLayout { region, channel_names, kind, tile_side } = layout;
         if region.pixel_count() == 0 {
             return Err(EngineError::BadRegion);
         }
@@ -78,10 +94,10 @@ impl FilmSums {
         let tiles = region.tiles(tile_side);
         let tiles = tiles.into_iter().map(|tile| Mutex::new(Tile::new(tile, kind))).collect();
         let splats = kind.splats.then(|| Splats::new(region));
-        Ok(Self { region, channel_names: channel_names.to_vec(), kind, tile_side, tiles, splats })
+        Ok(Self { region, channel_names, kind, tile_side, tiles, splats })
     }
 
-    /// The bytes that the sums of a job and its finished picture take together.
+    /// The bytes that the film of a job and its finished picture take together.
     pub fn memory_needed<S: SampleSource>(job: &Job, source: &S) -> u64 {
         memory_needed(job.region, kind(job, source))
     }
@@ -91,30 +107,16 @@ impl FilmSums {
         self.region
     }
 
-    /// Gives every pixel its samples up to index `end`, tile by tile on the threads of the current
-    /// pool.
-    ///
-    /// `go_on` is asked before every tile, and `done` told after it how many samples it took.
-    pub(crate) fn add_samples<S: SampleSource>(
-        &self,
-        source: &S,
-        end: u32,
-        go_on: &(impl Fn() -> bool + Sync),
-        done: &(impl Fn(u64) + Sync),
-    ) {
-        // Single tiles are what threads take from each other: rayon's own grain would hand out
-        // long runs of tiles, whose cost may differ by a factor of ten.
-        self.tiles.par_iter().with_max_len(1).for_each(|tile| {
-            if go_on() {
-                let _turn = self.splats.as_ref().map(Splats::begin_turn);
-                done(lock(tile).render(source, end, self.splats.as_ref()));
-            }
-        });
-    }
-
-    /// The least and the greatest number of samples that any pixel was given.
-    pub fn samples_per_pixel(&self) -> [u32; 2] {
-        self.next_samples().map(|next| next - self.kind.first_sample)
+    /// How many samples the pixels have, those left out included.
+    pub fn samples_per_pixel(&self) -> SamplesPerPixel {
+        let counts = self.tiles().map(|tile| tile.next_sample - self.kind.first_sample);
+        counts
+            .map(SamplesPerPixel::all)
+            .reduce(|all, one| SamplesPerPixel {
+                least: all.least.min(one.least),
+                most: all.most.max(one.most),
+            })
+            .unwrap_or_default()
     }
 
     /// The index of every pixel's first sample.
@@ -122,16 +124,12 @@ impl FilmSums {
         self.kind.first_sample
     }
 
-    /// The least and the greatest index that any pixel's next sample has.
-    pub(crate) fn next_samples(&self) -> [u32; 2] {
-        let all = self.tiles().map(|tile| tile.next_sample);
-        let first = self.kind.first_sample;
-        all.map(|next| [next, next])
-            .reduce(|[least, most], [next, _]| [least.min(next), most.max(next)])
-            .unwrap_or([first, first])
+    /// The least index that any pixel's next sample has.
+    pub(crate) fn least_next_sample(&self) -> u32 {
+        self.first_sample() + self.samples_per_pixel().least
     }
 
-    /// The samples in all pixels together, those left out included.
+    /// The number of samples of all pixels together, those left out included.
     pub fn sample_count(&self) -> u64 {
         let first = self.kind.first_sample;
         let count = |tile: &Tile| u64::from(tile.next_sample - first) * tile.region.pixel_count();
@@ -147,7 +145,8 @@ impl FilmSums {
         defects
     }
 
-    /// The picture so far: `R`, `G`, `B`, then what `channels` asks for, then the layers.
+    /// The picture so far: `R`, `G`, `B`, alpha if `channels` asks for it, the source's own channels,
+    /// and variances if `channels` asks for them.
     ///
     /// A pixel without samples is zero in every channel.
     pub fn develop(&self, channels: Channels) -> Picture {
@@ -191,29 +190,20 @@ impl FilmSums {
         plane
     }
 
-    /// Adds the samples of another film of the same pixels and layers, which it must not share any
-    /// sample with. Whatever the order of merges, the sums are those of one render.
+    /// Adds the samples of another film of the same pixels and channels. The two must not have a
+    /// sample in common. The order of merges does not matter: the sums are those of one render.
     ///
     /// # Errors
     ///
-    /// [`EngineError::OtherFilm`] if pixels, layers or variances are not the same, or if a pixel of
-    /// either has more or fewer samples than the rest.
+    /// [`EngineError::OtherFilm`] if pixels, channels or variances are not the same, or if not all
+    /// pixels of a film have the same number of samples.
     pub fn merge(&mut self, other: &Self) -> Result<(), EngineError> {
-        let is_even = |film: &Self| {
-            let [least, most] = film.samples_per_pixel();
-            least == most
-        };
-        let sums = |film: &Self| {
-            (film.region, film.channel_names.clone(), film.kind.variance, film.kind.splats)
-        };
-        let is_same = sums(self) == sums(other);
-        if !is_same || !is_even(self) || !is_even(other) {
+        let (own, others) = (self.samples_per_pixel(), other.samples_per_pixel());
+        if !self.has_sums_of(other) || !own.is_even() || !others.is_even() {
             return Err(EngineError::OtherFilm);
         }
-        let [count, _] = self.samples_per_pixel();
-        let [other_count, _] = other.samples_per_pixel();
         self.kind.first_sample = self.kind.first_sample.min(other.kind.first_sample);
-        let (first, count) = (self.kind.first_sample, count.saturating_add(other_count));
+        let (first, count) = (self.kind.first_sample, own.least.saturating_add(others.least));
         let places = self.tile_places();
         for tile in other.tiles() {
             self.merge_tile(&tile, &places);
@@ -227,7 +217,15 @@ impl FilmSums {
         Ok(())
     }
 
-    /// Adds a tile of a film whose tiles may be of another size.
+    /// Whether the two films have the same sums, apart from samples and tiles.
+    fn has_sums_of(&self, other: &Self) -> bool {
+        self.region == other.region
+            && self.channel_names == other.channel_names
+            && self.kind.variance == other.kind.variance
+            && self.kind.splats == other.kind.splats
+    }
+
+    /// Adds a tile of a film whose tiles may be of another size. `places` is [`Self::tile_places`].
     fn merge_tile(&mut self, other: &Tile, places: &[usize]) {
         let Region { x, y, width, .. } = other.region;
         let columns = self.region.width.div_ceil(self.tile_side);
@@ -259,22 +257,22 @@ impl FilmSums {
         places
     }
 
-    /// The names of the layers beside the colour.
+    /// The names of the channels beside colour and alpha.
     pub fn channel_names(&self) -> &[String] {
         &self.channel_names
     }
 
-    /// Whether squares are summed.
+    /// Whether the film can tell variances.
     pub fn has_variance(&self) -> bool {
         self.kind.variance
     }
 
-    /// What particles left, if there are any.
+    /// The sums of splats, if the source has any.
     pub(crate) fn splats(&self) -> Option<&Splats> {
         self.splats.as_ref()
     }
 
-    /// The side of all tiles but those that the film's edge cuts.
+    /// The side of the tiles, apart from those that the film's edge cuts.
     pub(crate) fn tile_side(&self) -> u32 {
         self.tile_side
     }
@@ -283,17 +281,24 @@ impl FilmSums {
         self.tiles.len()
     }
 
+    /// Waits for a tile, and holds it until the turn is dropped.
+    pub(crate) fn begin_turn(&self, index: usize) -> Turn<'_> {
+        let splats = self.splats.as_ref();
+        let _splats_turn = splats.map(Splats::begin_turn);
+        Turn { tile: self.tile(index), splats, _splats_turn }
+    }
+
     /// One tile, locked.
     pub(crate) fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
         lock(&self.tiles[index])
     }
 
-    /// The tiles, each locked while it is looked at.
+    /// The tiles, each locked while the caller has it.
     fn tiles(&self) -> impl Iterator<Item = MutexGuard<'_, Tile>> {
         self.tiles.iter().map(lock)
     }
 
-    /// The tiles while nobody else has any.
+    /// The tiles, which nobody else can have.
     pub(crate) fn tiles_mut(&mut self) -> impl Iterator<Item = &mut Tile> {
         self.tiles.iter_mut().map(unlocked)
     }
@@ -315,7 +320,8 @@ fn memory_needed(region: Region, kind: TileKind) -> u64 {
     region.pixel_count().saturating_mul(sums + picture)
 }
 
-/// A panic in a sample leaves whole sums: they are only added to after it.
+/// A poisoned lock is no harm: samples are taken before they are added, so a panic in one leaves the
+/// sums whole.
 fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
     tile.lock().unwrap_or_else(PoisonError::into_inner)
 }

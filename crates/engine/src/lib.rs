@@ -1,18 +1,18 @@
 //! Passes, tiles, threads, budgets, cancellation and statistics.
 //!
-//! [`render_samples`] spends a [`Budget`] on the pixels of a [`Region`]: it asks a
-//! [`SampleSource`] for samples, pass by pass and tile by tile on the threads of [`Workers`], and
-//! adds them up in [`FilmSums`]. [`Camera`] is the source that a scene is: sensor, reconstruction
-//! filter, random numbers and integrator.
+//! [`render`](fn@render) spends a [`Budget`] on the pixels of a [`Region`]. It asks a [`SampleSource`] for
+//! samples, pass by pass and tile by tile on the threads of [`Workers`], and adds them up in
+//! [`FilmSums`]. [`render_into`] does so with a film that may hold samples of earlier runs. A
+//! [`Camera`] is the source that a scene is: sensor, reconstruction filter, random numbers and
+//! integrator. Some integrators are trained first ([`Camera::train`]).
 //!
-//! A sample is a pure function of the seed and its [`SampleId`], and sums do not depend on the
-//! order of what is added ([`ExactSums`]). So the picture is the same, bit for bit, for any number
-//! of threads and however its samples are divided over runs, and any sample can be replayed
-//! ([`Camera::replay`]).
+//! A sample is a pure function of the seed and its [`SampleId`], and the order of samples does not
+//! change a sum ([`ExactSums`]). So the picture is the same, bit for bit, for any number of threads
+//! and any division of its samples over runs, and any sample can be replayed ([`Camera::replay`]).
 //!
-//! News leaves through [`Observer`]; [`Cancel`] stops a render and keeps what is done. A sample
+//! An [`Observer`] hears how the render goes; [`Cancel`] stops it and keeps what is done. A sample
 //! that is infinite, not a number or negative is left out of its pixel, counted and named
-//! ([`Defects`]), never turned into black.
+//! ([`Defects`]). It never turns into black.
 #![forbid(unsafe_code)]
 
 mod camera;
@@ -21,6 +21,8 @@ mod error;
 mod exact_sums;
 mod film_file;
 mod film_sums;
+mod host;
+mod job;
 mod observer;
 mod region;
 mod render;
@@ -29,6 +31,7 @@ mod source;
 mod splats;
 mod statistics;
 mod tile;
+mod training;
 mod workers;
 
 pub use camera::{Camera, Replay};
@@ -36,10 +39,12 @@ pub use error::EngineError;
 pub use exact_sums::ExactSums;
 pub use film_file::{FilmFile, FilmFileError, FilmRecord};
 pub use film_sums::{Channels, FilmSums};
+pub use host::Host;
+pub use job::{Budget, Job};
 pub use observer::{Cancel, FinishedPass, Observer, Progress, Silent};
 pub use region::Region;
-pub use render::{Budget, Job, add_samples, render_samples};
+pub use render::{render, render_into};
 pub use source::{PixelSplatSink, Sample, SampleId, SampleSource, SplatSource};
 pub use splats::PixelSplat;
-pub use statistics::{Defect, Defects, Statistics};
+pub use statistics::{Defect, DefectiveSample, Defects, SamplesPerPixel, Statistics};
 pub use workers::Workers;

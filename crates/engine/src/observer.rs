@@ -1,28 +1,28 @@
-//! News while a render runs, and the way to stop it.
+//! Progress while a render runs, and the way to stop it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use crate::FilmSums;
+use crate::film_sums::FilmSums;
 
-/// How far a render is.
+/// How far a render has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Samples in the film.
     pub samples_done: u64,
-    /// How many of them were there when this run began.
+    /// How many of them the film had when this run began.
     pub samples_before: u64,
     /// Samples in the budget; `None` if only time is limited.
     pub samples_total: Option<u64>,
-    /// Since the first ray.
+    /// Wall time since the first ray.
     pub elapsed: Duration,
     /// The time budget, if there is one.
     pub time_limit: Option<Duration>,
 }
 
 impl Progress {
-    /// Samples of this run per second of the wall clock so far.
+    /// Samples of this run per second of wall time.
     pub fn rate(&self) -> f64 {
         self.samples_taken() as f64 / self.elapsed.as_secs_f64().max(1e-9)
     }
@@ -32,7 +32,7 @@ impl Progress {
         self.samples_done.saturating_sub(self.samples_before)
     }
 
-    /// How much is done, from 0 to 1: of the samples or of the time, whichever is further.
+    /// How much is done, from 0 to 1: the greater of the shares of samples and of time.
     pub fn fraction(&self) -> f64 {
         let by_samples = self
             .samples_total
@@ -58,17 +58,17 @@ impl Progress {
     }
 }
 
-/// A pass over the picture that has just ended.
+/// A pass over the picture that has ended.
 #[derive(Debug)]
 pub struct FinishedPass<'a> {
-    /// How many samples every pixel has been given so far.
+    /// How many samples every pixel has so far.
     pub samples_per_pixel: u32,
-    /// The sums so far, for a preview.
+    /// The film so far, for a preview.
     pub film: &'a FilmSums,
 }
 
-/// Hears what happens. The methods are called from any thread, but never by two at once, and hold
-/// up the render while they run. The default is not to listen.
+/// Hears how a render goes. The methods are called from any thread, but never from two at once. They
+/// hold up the render while they run. By default they do nothing.
 pub trait Observer: Sync {
     /// Called about ten times a second, and once at the end.
     fn progress(&self, _progress: &Progress) {}
@@ -77,18 +77,18 @@ pub trait Observer: Sync {
     fn pass_finished(&self, _pass: &FinishedPass<'_>) {}
 }
 
-/// An observer that does not listen.
+/// An observer that does nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
 impl Observer for Silent {}
 
-/// A flag that stops a render within milliseconds; what is done is kept. Clones share the flag.
+/// A flag that stops a render within milliseconds and keeps what is done. Clones share the flag.
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// A token that has not been cancelled.
+    /// A flag that is not set.
     pub fn new() -> Self {
         Self::default()
     }
@@ -98,7 +98,7 @@ impl Cancel {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether somebody asked.
+    /// Whether somebody has asked.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -122,14 +122,14 @@ mod tests {
     };
 
     #[test]
-    fn the_rest_takes_as_long_as_the_part_before() {
+    fn the_second_half_takes_as_long_as_the_first() {
         assert_eq!(HALF.rate(), 10.0);
         assert_eq!(HALF.fraction(), 0.5);
         assert_eq!(HALF.time_left(), Some(Duration::from_secs(5)));
     }
 
     #[test]
-    fn what_was_there_before_counts_as_done_but_not_for_the_rate() {
+    fn samples_of_earlier_runs_count_as_done_but_not_for_the_rate() {
         let resumed = Progress { samples_before: 40, ..HALF };
         assert_eq!((resumed.fraction(), resumed.rate()), (0.5, 2.0));
         assert_eq!(resumed.time_left(), Some(Duration::from_secs(25)));
@@ -145,13 +145,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_known_before_the_first_sample() {
+    fn the_time_left_is_unknown_before_the_first_sample() {
         let begun = Progress { samples_done: 0, ..HALF };
         assert_eq!(begun.time_left(), None);
     }
 
     #[test]
-    fn clones_of_a_token_share_the_flag() {
+    fn clones_share_the_flag() {
         let cancel = Cancel::new();
         let clone = cancel.clone();
         clone.cancel();

@@ -13,11 +13,11 @@ pub struct Region {
     pub height: u32,
 }
 
-/// Side lengths of tiles in pixels, the preferred one first. All keep a tile's sums within the
-/// second-level cache; the smaller ones exist to have work for many threads.
+/// Side lengths of tiles in pixels, the preferred one first. The sums of a tile fit the second-level
+/// cache with all of them; the smaller ones give work to many threads.
 pub(crate) const TILE_SIDES: [u32; 3] = [16, 8, 4];
 
-/// With this many tiles per thread, the last tile of a pass costs each thread little waiting.
+/// With this many tiles per thread, waiting for the last tile of a pass costs little.
 const TILES_PER_THREAD: u64 = 32;
 
 impl Region {
@@ -26,8 +26,8 @@ impl Region {
         u64::from(self.width) * u64::from(self.height)
     }
 
-    /// The tiles that make up the region, along a Morton curve, so that tiles that are rendered
-    /// one after the other see the same part of the scene.
+    /// The tiles of the region along a Morton curve, so that consecutive tiles see the same part of
+    /// the scene.
     pub(crate) fn tiles(&self, side: u32) -> Vec<Region> {
         let (columns, rows) = (self.width.div_ceil(side), self.height.div_ceil(side));
         let all = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
@@ -36,7 +36,7 @@ impl Region {
         cells.into_iter().map(|(column, row)| self.tile(column * side, row * side, side)).collect()
     }
 
-    /// The largest side that gives every thread enough tiles, or the smallest one.
+    /// The largest side with enough tiles for every thread, or the smallest one.
     pub(crate) fn tile_side(&self, thread_count: usize) -> u32 {
         let wanted = TILES_PER_THREAD * thread_count as u64;
         let tile_count = |side: u32| {
@@ -46,7 +46,7 @@ impl Region {
         enough.unwrap_or(TILE_SIDES[TILE_SIDES.len() - 1])
     }
 
-    /// The tile whose left top corner lies `left` and `top` pixels inside this region.
+    /// The tile with its top left corner `left` and `top` pixels inside this region.
     fn tile(&self, left: u32, top: u32, side: u32) -> Region {
         Region {
             x: self.x + left,
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn consecutive_tiles_are_neighbours_in_blocks_of_four() {
+    fn four_consecutive_tiles_form_a_square() {
         let region = Region { x: 0, y: 0, width: 64, height: 64 };
         let side = region.tile_side(1);
         let corners: Vec<_> = region.tiles(side)[..4].iter().map(|tile| (tile.x, tile.y)).collect();
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn spreading_leaves_room_for_every_bit() {
+    fn spread_bits_interleave() {
         assert_eq!(morton(0b11, 0b00), 0b0101);
         assert_eq!(morton(u32::MAX, 0) | morton(0, u32::MAX), u64::MAX);
     }

@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-/// Passes take about this long once they have grown: long enough that waiting for the last tile
-/// costs little, short enough for previews.
+/// What a pass should take: long enough that waiting for the last tile costs little, short enough for
+/// previews.
 const PASS_TIME: Duration = Duration::from_millis(200);
 
-/// Hands out ranges of sample indices: one sample first, then twice as many each time, until a
-/// pass takes as long as it should.
+/// Hands out ranges of sample indices: first one sample, then twice as many each time, until a pass
+/// takes as long as it should.
 ///
-/// How the indices are divided does not change the picture, so the clock may have a say here.
+/// The clock may decide this, because the division into passes does not change the picture.
 #[derive(Debug)]
 pub(crate) struct Schedule {
     next: u32,
@@ -23,8 +23,8 @@ impl Schedule {
         Self { next: start, end, size: 1 }
     }
 
-    /// The index below which every sample is taken after the next pass; `None` when all have been
-    /// handed out.
+    /// The end of the next pass: it takes the samples with an index below. `None` when all samples
+    /// have been handed out.
     pub(crate) fn next_pass(&mut self) -> Option<u32> {
         if self.next >= self.end {
             return None;
@@ -33,7 +33,7 @@ impl Schedule {
         Some(self.next)
     }
 
-    /// Sets the size of the next pass by how long the last one took.
+    /// Sets the size of the next pass by the time that the last one took.
     pub(crate) fn adapt(&mut self, last: Duration) {
         let fitting = f64::from(self.size) * PASS_TIME.as_secs_f64() / last.as_secs_f64().max(1e-9);
         let doubled = self.size.saturating_mul(2);

@@ -2,7 +2,7 @@
 
 use etendue_spectrum::Spectrum;
 
-use crate::PixelSplat;
+use crate::splats::PixelSplat;
 
 /// A source of samples that are named by pixel and index, shared by all threads.
 ///
@@ -43,6 +43,11 @@ pub trait SplatSource: Sync {
 
 /// Takes the splats of a sample.
 pub type PixelSplatSink<'a> = dyn FnMut(PixelSplat) + 'a;
+
+/// How many samples a source is asked for at once: enough to find many alike among them, few enough
+/// that what it keeps of them, some 300 bytes each, stays in the caches of one core. From 256 to 1024
+/// renders gain 3 %, from there to 2048 another 1 to 2 %, and with 4096 nothing more.
+pub(crate) const BATCH_SIZE: usize = 2048;
 
 /// Names one sample of a picture. With the seed, it decides everything about the sample.
 ///

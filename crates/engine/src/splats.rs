@@ -1,4 +1,4 @@
-//! Light that particles leave anywhere on the film.
+//! Light that lands anywhere on the film.
 
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
@@ -12,27 +12,27 @@ pub struct PixelSplat {
     pub x: u32,
     /// The row in the whole film, from 0 at the top.
     pub y: u32,
-    /// Red, green and blue. The mean over all particles is what the pixel's radiance gains.
+    /// Red, green and blue. The mean over all particles is added to the pixel's radiance.
     pub color: [f64; 3],
 }
 
 /// Red, green and blue.
 const CHANNELS: usize = 3;
 
-/// The sums of all splats, in sums that do not depend on any order (`exact_sums`).
+/// The sums of all splats. Their order does not change them (`exact_sums`).
 ///
-/// Every thread adds to every row, each of which has a lock.
+/// Every thread adds to every row; each row has a lock.
 #[derive(Debug)]
 pub(crate) struct Splats {
     region: Region,
     rows: Vec<Mutex<ExactSums>>,
-    /// Shared by threads while they render a tile. Who holds it alone sees the splats of whole turns:
-    /// of those samples that the tiles count, and no others.
+    /// Threads share it while they render a tile. Who holds it alone sees the splats of whole turns:
+    /// those of all samples that the tiles count, and no others.
     turns: RwLock<()>,
 }
 
 impl Splats {
-    /// What the splats of one pixel take in memory.
+    /// The bytes of one pixel.
     pub(crate) const BYTES_PER_PIXEL: u64 = CHANNELS as u64 * ExactSums::BYTES;
 
     /// Sums without splats.
@@ -42,17 +42,17 @@ impl Splats {
         Self { region, rows, turns: RwLock::new(()) }
     }
 
-    /// To be held while the samples of a tile are taken.
+    /// A thread holds this while it takes the samples of a tile.
     pub(crate) fn begin_turn(&self) -> RwLockReadGuard<'_, ()> {
         self.turns.read().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the turns that have begun, and holds up the next ones.
+    /// Waits until the current turns end, and holds up new ones.
     pub(crate) fn pause(&self) -> RwLockWriteGuard<'_, ()> {
         self.turns.write().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The sums row by row, each locked while it is looked at.
+    /// The sums row by row, each locked while the caller has it.
     pub(crate) fn rows(&self) -> impl Iterator<Item = MutexGuard<'_, ExactSums>> {
         self.rows.iter().map(lock)
     }
@@ -64,7 +64,7 @@ impl Splats {
         }
     }
 
-    /// Adds a splat, if it lies in the region; those that are not finite are the caller's to leave out.
+    /// Adds a splat if it lies in the region. It must be finite.
     pub(crate) fn add(&self, splat: &PixelSplat) {
         let (Some(column), Some(row)) =
             (splat.x.checked_sub(self.region.x), splat.y.checked_sub(self.region.y))
@@ -94,7 +94,8 @@ impl Splats {
     }
 }
 
-/// A panic in a sample leaves whole sums: they are only added to after it.
+/// A poisoned lock is no harm: splats are computed before they are added, so a panic leaves the sums
+/// whole.
 fn lock(row: &Mutex<ExactSums>) -> MutexGuard<'_, ExactSums> {
     row.lock().unwrap_or_else(PoisonError::into_inner)
 }

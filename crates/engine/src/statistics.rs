@@ -1,10 +1,10 @@
-//! What a render did: counts, times, and the samples that had to be left out.
+//! What a render did: counts, times, and the samples that it left out.
 
 use std::time::Duration;
 
-use crate::SampleId;
+use crate::source::SampleId;
 
-/// How many defective samples keep their names; a broken material can make millions.
+/// How many defective samples are kept by name: a broken material can make millions.
 pub(crate) const KEPT: usize = 8;
 
 /// Why a sample was left out of its pixel.
@@ -24,38 +24,47 @@ pub struct Defects {
     /// Samples with negative radiance.
     pub negative: u64,
     /// The first few in the order of [`SampleId`].
-    pub first: Vec<(SampleId, Defect)>,
+    pub first: Vec<DefectiveSample>,
+}
+
+/// A sample that was left out, by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DefectiveSample {
+    /// Its name.
+    pub id: SampleId,
+    /// What is wrong with it.
+    pub defect: Defect,
 }
 
 impl Defects {
-    /// All samples that were left out.
+    /// The number of all samples that were left out.
     pub fn total(&self) -> u64 {
         self.non_finite.saturating_add(self.negative)
     }
 
-    /// Counts one more. Which ones are kept by name does not depend on the order of calls.
+    /// Counts one more. The order of calls does not decide which ones are kept by name.
     pub(crate) fn add(&mut self, defect: Defect, id: SampleId) {
         match defect {
             Defect::NonFinite => self.non_finite += 1,
             Defect::Negative => self.negative += 1,
         }
-        self.keep(id, defect);
+        self.keep(DefectiveSample { id, defect });
     }
 
     /// Adds the counts and names of another part of the picture.
     pub(crate) fn merge(&mut self, other: &Self) {
-        // A file may claim any number of defects.
+        // A file may claim any count.
         self.non_finite = self.non_finite.saturating_add(other.non_finite);
         self.negative = self.negative.saturating_add(other.negative);
-        for &(id, defect) in &other.first {
-            self.keep(id, defect);
+        for &sample in &other.first {
+            self.keep(sample);
         }
     }
 
-    fn keep(&mut self, id: SampleId, defect: Defect) {
-        let place = self.first.partition_point(|&(known, _)| known < id);
+    fn keep(&mut self, sample: DefectiveSample) {
+        let place = self.first.partition_point(|known| known.id < sample.id);
         if place < KEPT {
-            self.first.insert(place, (id, defect));
+            self.first.insert(place, sample);
             self.first.truncate(KEPT);
         }
     }
@@ -66,13 +75,13 @@ impl Defects {
 pub struct Statistics {
     /// Samples taken, those left out included.
     pub samples: u64,
-    /// The least and the greatest number of samples any pixel got, those left out included.
-    pub samples_per_pixel: [u32; 2],
-    /// Passes over the picture that were begun.
+    /// How many samples the pixels have, those left out included.
+    pub samples_per_pixel: SamplesPerPixel,
+    /// Passes over the picture, the last one perhaps cut short.
     pub passes: u32,
     /// Threads that rendered.
     pub threads: usize,
-    /// From the first ray to the last, by the wall clock.
+    /// Wall time from the first ray to the last.
     pub duration: Duration,
     /// Whether it was cancelled before its budget was spent.
     pub cancelled: bool,
@@ -80,8 +89,29 @@ pub struct Statistics {
     pub defects: Defects,
 }
 
+/// How many samples the pixels of a film have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SamplesPerPixel {
+    /// The least number of any pixel.
+    pub least: u32,
+    /// The greatest number of any pixel.
+    pub most: u32,
+}
+
+impl SamplesPerPixel {
+    /// The same number in every pixel.
+    pub fn all(count: u32) -> Self {
+        Self { least: count, most: count }
+    }
+
+    /// Whether all pixels have the same number.
+    pub fn is_even(self) -> bool {
+        self.least == self.most
+    }
+}
+
 impl Statistics {
-    /// Samples per second of the wall clock.
+    /// Samples per second of wall time.
     pub fn samples_per_second(&self) -> f64 {
         self.samples as f64 / self.duration.as_secs_f64().max(1e-9)
     }
@@ -105,7 +135,7 @@ mod tests {
         assert_eq!(forward, backward);
         assert_eq!(forward.negative, 100);
         assert_eq!(forward.first.len(), KEPT);
-        assert_eq!(forward.first[KEPT - 1].0, id(KEPT as u32 - 1));
+        assert_eq!(forward.first[KEPT - 1].id, id(KEPT as u32 - 1));
     }
 
     #[test]

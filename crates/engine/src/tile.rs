@@ -1,10 +1,8 @@
-//! A small rectangle of pixels and the sums of its samples: what one thread works on at a time.
+//! A small rectangle of pixels and the sums of its samples. One thread at a time adds to it.
 
-use crate::SampleId;
 use crate::exact_sums::{ExactSums, SumsMut};
 use crate::region::Region;
-use crate::source::{Sample, SampleSource};
-use crate::splats::Splats;
+use crate::source::{Sample, SampleId};
 use crate::statistics::{Defect, Defects};
 use etendue_math::lanes::{Level, Simd};
 use etendue_math::with_lanes;
@@ -23,11 +21,11 @@ pub(crate) struct Tile {
     channel_count: usize,
     /// Σ weight·value of every channel, pixel after pixel.
     pub(crate) sums: ExactSums,
-    /// Σ (weight·value)² of red, green and blue; empty if nobody asks for variances.
+    /// Σ (weight·value)² of red, green and blue; empty without variances.
     pub(crate) squares: ExactSums,
     /// Samples in the sums.
     pub(crate) counts: Vec<u32>,
-    /// The sample index that every pixel's next sample has.
+    /// The index of every pixel's next sample.
     pub(crate) next_sample: u32,
     pub(crate) defects: Defects,
 }
@@ -39,14 +37,14 @@ pub(crate) struct TileKind {
     pub(crate) extra_count: usize,
     /// Whether squares are summed.
     pub(crate) variance: bool,
-    /// Whether samples leave splats, too, which belong to the film as a whole.
+    /// Whether samples have splats, which belong to the film as a whole.
     pub(crate) splats: bool,
     /// The index of every pixel's first sample.
     pub(crate) first_sample: u32,
 }
 
 impl TileKind {
-    /// Sums of values and of squares.
+    /// How many sums a pixel has, of values and of squares.
     pub(crate) fn sums_per_pixel(self) -> u64 {
         let squared = if self.variance { SQUARED_CHANNELS } else { 0 };
         (COLOR_CHANNELS + self.extra_count + squared) as u64
@@ -94,7 +92,7 @@ impl Tile {
 
     /// The variance of the mean of red, green or blue: the unbiased estimate
     /// (Σv² − (Σv)²/n) / (n − 1) of a sample's, over n. With fewer than two samples, or without
-    /// squares, nothing is known, which is said as zero.
+    /// squares, the variance is unknown and this returns zero.
     pub(crate) fn variance_of_mean(&self, pixel: usize, channel: usize) -> f64 {
         if self.counts[pixel] < 2 || self.squares.is_empty() {
             return 0.0;
@@ -102,7 +100,7 @@ impl Tile {
         let count = f64::from(self.counts[pixel]);
         let sum = self.sum(pixel, channel);
         let square = self.squares.value(pixel * SQUARED_CHANNELS + channel);
-        // Rounding can leave a constant pixel a hair below zero.
+        // Rounding can make the difference slightly negative.
         (square - sum * sum / count).max(0.0) / (count - 1.0) / count
     }
 
@@ -110,79 +108,31 @@ impl Tile {
         self.sums.value(pixel * self.channel_count + channel)
     }
 
-    /// Gives every pixel its samples up to, but not with, index `end`; returns how many were taken.
-    /// Splats go to `splats`.
-    pub(crate) fn render<S: SampleSource>(
-        &mut self,
-        source: &S,
-        end: u32,
-        splats: Option<&Splats>,
-    ) -> u64 {
-        let Region { x, y, width, height } = self.region;
-        let count = end.saturating_sub(self.next_sample);
-        let mut batch = Batch::new(source.channels().len());
-        for row in 0..if count > 0 { height } else { 0 } {
-            for column in 0..width {
-                if let Some(splats) = splats {
-                    self.render_splats(source, [x + column, y + row], end, splats);
-                }
-                for index in self.next_sample..end {
-                    batch.ids.push(SampleId { index, x: x + column, y: y + row });
-                    if batch.ids.len() == BATCH_SIZE {
-                        self.take(source, &mut batch);
-                    }
-                }
-            }
-        }
-        self.take(source, &mut batch);
-        self.next_sample += count;
-        self.region.pixel_count() * u64::from(count)
+    /// Adds samples to their pixels. `channels` has the extra channels of all samples, one after the
+    /// other.
+    pub(crate) fn add(&mut self, ids: &[SampleId], samples: &[Sample], channels: &[f32]) {
+        with_lanes!(Level::new(), simd => self.add_all(simd, ids, samples, channels));
     }
 
-    fn render_splats<S: SampleSource>(
+    #[inline(always)]
+    fn add_all<V: Simd>(
         &mut self,
-        source: &S,
-        [x, y]: [u32; 2],
-        end: u32,
-        splats: &Splats,
+        simd: V,
+        ids: &[SampleId],
+        samples: &[Sample],
+        channels: &[f32],
     ) {
-        let Some(splat_source) = source.splats() else { return };
-        for index in self.next_sample..end {
-            let id = SampleId { index, y, x };
-            splat_source.trace_splats(id, &mut |splat| {
-                if splat.color.iter().all(|value| value.is_finite()) {
-                    splats.add(&splat);
-                } else {
-                    self.defects.add(Defect::NonFinite, id);
-                }
-            });
+        let extra_count = self.channel_count - COLOR_CHANNELS;
+        // By reference: copied out one by one, ids of twelve bytes would be read back in pieces that
+        // the processor cannot forward, which takes half of the time of this loop.
+        for (index, (id, sample)) in ids.iter().zip(samples).enumerate() {
+            let channels = &channels[index * extra_count..(index + 1) * extra_count];
+            self.add_one(simd, *id, sample, channels);
         }
     }
 
-    /// Takes the samples of a batch, adds them to their pixels, and empties the batch.
-    fn take<S: SampleSource>(&mut self, source: &S, batch: &mut Batch) {
-        let extra_count = batch.extra_count;
-        batch.channels.resize(batch.ids.len() * extra_count, 0.0);
-        source.take_samples(&batch.ids, &mut batch.channels, &mut batch.samples);
-        with_lanes!(Level::new(), simd => self.add_batch(simd, batch));
-    }
-
-    /// Adds the samples of a batch to their pixels, and empties the batch.
     #[inline(always)]
-    fn add_batch<V: Simd>(&mut self, simd: V, batch: &mut Batch) {
-        let extra_count = batch.extra_count;
-        // By reference: taken out one by one, ids of twelve bytes would be read back in pieces that
-        // the processor cannot forward, half of the time that sums take.
-        for (place, (id, sample)) in batch.ids.iter().zip(&batch.samples).enumerate() {
-            let channels = &batch.channels[place * extra_count..(place + 1) * extra_count];
-            self.add(simd, *id, sample, channels);
-        }
-        batch.ids.clear();
-        batch.samples.clear();
-    }
-
-    #[inline(always)]
-    fn add<V: Simd>(&mut self, simd: V, id: SampleId, sample: &Sample, channels: &[f32]) {
+    fn add_one<V: Simd>(&mut self, simd: V, id: SampleId, sample: &Sample, channels: &[f32]) {
         if let Some(defect) = find_defect(sample, channels) {
             self.defects.add(defect, id);
             return;
@@ -199,33 +149,8 @@ impl Tile {
     }
 }
 
-/// How many samples are asked for at once: enough for the source to find many alike among them, few
-/// enough that what it keeps of them, some 300 bytes each, stays in the caches of one core. From 256
-/// to 1024 renders gain 3 %, from there to 2048 1 to 2 %, and with 4096 nothing more.
-const BATCH_SIZE: usize = 2048;
-
-/// Samples that are taken together.
-struct Batch {
-    extra_count: usize,
-    ids: Vec<SampleId>,
-    samples: Vec<Sample>,
-    /// The channels of all samples, one after the other.
-    channels: Vec<f32>,
-}
-
-impl Batch {
-    fn new(extra_count: usize) -> Self {
-        Self {
-            extra_count,
-            ids: Vec::with_capacity(BATCH_SIZE),
-            samples: Vec::with_capacity(BATCH_SIZE),
-            channels: Vec::with_capacity(BATCH_SIZE * extra_count),
-        }
-    }
-}
-
-/// Why a sample cannot be part of a picture, if it cannot. Only light has a sign to be wrong:
-/// channels such as positions may be negative, and so may the filter's weight.
+/// Why a sample must be left out of the picture, if it must. Only light may not be negative:
+/// channels such as positions may, and so may the filter's weight.
 fn find_defect(sample: &Sample, channels: &[f32]) -> Option<Defect> {
     let finite = sample.color.is_finite() && sample.alpha.is_finite();
     if !finite || channels.iter().any(|value| !value.is_finite()) {

@@ -2,17 +2,17 @@
 
 use std::num::NonZeroUsize;
 
-use crate::EngineError;
+use crate::error::EngineError;
 
-/// A pool of threads. Everything that works in parallel inside [`Workers::run`] uses these threads
-/// and no others, so that building a scene and rendering it keep to the same number.
+/// A pool of threads. All parallel work inside [`Workers::run`] uses these threads and no others, so
+/// that loading a scene and rendering it use the same number.
 #[derive(Debug)]
 pub struct Workers {
     pool: rayon::ThreadPool,
 }
 
 impl Workers {
-    /// Starts threads: as many as asked for, or one per processor.
+    /// Starts as many threads as asked for, or one per processor.
     ///
     /// # Errors
     ///
@@ -31,7 +31,7 @@ impl Workers {
         self.pool.current_num_threads()
     }
 
-    /// Runs `work` on one of the threads and waits for it; parallel parts spread to the others.
+    /// Runs `work` on one of the threads and waits for it; its parallel parts use all of them.
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         self.pool.install(work)
     }

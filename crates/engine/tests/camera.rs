@@ -2,8 +2,8 @@
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_engine::{
-    Budget, Camera, Cancel, Channels, Job, Region, SampleId, SampleSource, Silent, Workers,
-    render_samples,
+    Budget, Camera, Cancel, Channels, Host, Job, Region, SampleId, SampleSource, Silent, Workers,
+    render,
 };
 use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
 use etendue_mitsuba::{LoadOptions, read_text};
@@ -61,9 +61,8 @@ fn pixels_lie_where_the_film_says_also_in_a_crop() {
     with_camera(|camera| {
         let region = Region { x: 2, y: 1, width: 5, height: 6 };
         let workers = Workers::new(None).unwrap();
-        let cancel = Cancel::new();
-        let (film, _) =
-            render_samples(camera, &job(region, 64), &workers, &Silent, &cancel).unwrap();
+        let host = Host { workers: &workers, observer: &Silent, cancel: &Cancel::new() };
+        let (film, _) = render(camera, &job(region, 64), &host).unwrap();
         let picture = film.develop(Channels::default());
         let x = &picture.channel("position.X").unwrap().data;
         let y = &picture.channel("position.Y").unwrap().data;
@@ -83,9 +82,8 @@ fn a_replayed_sample_is_the_one_that_was_rendered() {
     with_camera(|camera| {
         let region = Region { x: 3, y: 4, width: 1, height: 1 };
         let workers = Workers::new(None).unwrap();
-        let cancel = Cancel::new();
-        let (film, _) =
-            render_samples(camera, &job(region, 1), &workers, &Silent, &cancel).unwrap();
+        let host = Host { workers: &workers, observer: &Silent, cancel: &Cancel::new() };
+        let (film, _) = render(camera, &job(region, 1), &host).unwrap();
         let picture = film.develop(Channels { alpha: true, variance: false });
         let replay = camera.replay(SampleId { index: 0, y: 4, x: 3 });
         let [red, green, blue] = replay.sample.color.rgb();

@@ -4,9 +4,9 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use etendue_engine::{
-    Budget, Cancel, Channels, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums, Job,
-    PixelSplat, PixelSplatSink, Region, Sample, SampleId, SampleSource, Silent, SplatSource,
-    Workers, add_samples,
+    Budget, Cancel, Channels, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums, Host,
+    Job, PixelSplat, PixelSplatSink, Region, Sample, SampleId, SampleSource, SamplesPerPixel,
+    Silent, SplatSource, Workers, render_into,
 };
 use etendue_image::Picture;
 use etendue_spectrum::Spectrum;
@@ -87,7 +87,8 @@ fn job(first_sample: u32) -> Job {
 fn go_on(film: &FilmSums, end: u32, threads: usize) {
     let workers = Workers::new(NonZeroUsize::new(threads)).unwrap();
     let budget = Budget { samples_per_pixel: Some(end), time: None };
-    add_samples(&Noise::new(), (film, budget), &workers, &Silent, &Cancel::new()).unwrap();
+    let host = Host { workers: &workers, observer: &Silent, cancel: &Cancel::new() };
+    render_into(&Noise::new(), film, budget, &host).unwrap();
 }
 
 /// A film whose tiles suit `tile_threads`, rendered on `threads`.
@@ -162,7 +163,7 @@ proptest! {
         let expected = whole();
         prop_assert_eq!(picture(&parts[0]), picture(&expected));
         prop_assert_eq!(parts[0].defects(), expected.defects());
-        prop_assert_eq!(parts[0].samples_per_pixel(), [COUNT; 2]);
+        prop_assert_eq!(parts[0].samples_per_pixel(), SamplesPerPixel::all(COUNT));
     }
 
     /// A render stopped anywhere, in the middle of a pass too, and resumed from its file.
@@ -177,9 +178,10 @@ proptest! {
         let film = FilmSums::new(&job(0), &source, tiles).unwrap();
         let workers = Workers::new(NonZeroUsize::new(threads)).unwrap();
         let budget = Budget { samples_per_pixel: Some(COUNT), time: None };
-        add_samples(&source, (&film, budget), &workers, &Silent, &cancel).unwrap();
+        let host = Host { workers: &workers, observer: &Silent, cancel: &cancel };
+        render_into(&source, &film, budget, &host).unwrap();
         let (file, resumed) = read(&write(&film)).unwrap();
-        prop_assert_eq!([file.samples_per_pixel], [film.samples_per_pixel()[0]]);
+        prop_assert_eq!([file.samples_per_pixel], [film.samples_per_pixel().least]);
         go_on(&resumed, COUNT, 2);
         prop_assert_eq!(picture(&resumed), picture(&whole()));
     }

@@ -1,12 +1,17 @@
 //! Light that is traced from its source makes the picture that light traced from the camera makes.
 
+use std::sync::Mutex;
+
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_engine::{
-    Budget, Camera, Cancel, Channels, Job, Region, Silent, Workers, render_samples,
+    Budget, Camera, Cancel, Channels, Host, Job, Region, Silent, Workers, render,
 };
-use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
+use etendue_integrators::{
+    Integrator, IntegratorOptions, ParticleIntegrator, Radiance, Splat, SplatSink, SplatTarget,
+    Start, build_integrator,
+};
 use etendue_mitsuba::{LoadOptions, read_text};
-use etendue_sampling::SamplerSpec;
+use etendue_sampling::{Sampler, SamplerSpec};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 use etendue_testkit::{Accumulator, welch};
 
@@ -51,18 +56,18 @@ const OBJECTS: &str = r#"
         <bsdf type="roughdielectric"><float name="alpha" value="0.4"/></bsdf></shape>"#;
 
 /// The means of the quarters of pictures of several seeds, as `quarter × channel`.
-fn quarters(text: &str, integrator: &str, seeds: u64) -> Vec<Accumulator> {
-    let (scene, integrator) = build(text, integrator);
+fn quarters(scene: &Scene, integrator: &dyn Integrator, seeds: u64) -> Vec<Accumulator> {
     let setup = &scene.sensors()[0];
     let workers = Workers::new(None).unwrap();
     let mut means = vec![Accumulator::default(); 12];
     for seed in 0..seeds {
         let sampler = SamplerSpec::new(setup.sampler.kind(), 64, seed);
-        let camera = Camera::new(&scene, setup, sampler, &*integrator);
+        let camera = Camera::new(scene, setup, sampler, integrator);
         let budget = Budget { samples_per_pixel: Some(64), time: None };
         let region = Region { x: 0, y: 0, width: SIZE, height: SIZE };
         let job = Job { region, first_sample: 0, budget, variance: false, memory_limit: 1 << 30 };
-        let (film, _) = render_samples(&camera, &job, &workers, &Silent, &Cancel::new()).unwrap();
+        let host = Host { workers: &workers, observer: &Silent, cancel: &Cancel::new() };
+        let (film, _) = render(&camera, &job, &host).unwrap();
         let picture = film.develop(Channels::default());
         for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
             let data = &picture.channel(name).unwrap().data;
@@ -105,7 +110,10 @@ fn particles_and_paths_make_the_same_picture() {
     for sensor in &sensors {
         for light in lights {
             let text = format!("{sensor}{OBJECTS}{light}");
-            let (paths, particles) = (quarters(&text, "path", 12), quarters(&text, "ptracer", 12));
+            let (scene, path) = build(&text, "path");
+            let (_, particles) = build(&text, "ptracer");
+            let (paths, particles) =
+                (quarters(&scene, &*path, 12), quarters(&scene, &*particles, 12));
             for (index, (path, particle)) in paths.iter().zip(&particles).enumerate() {
                 // 108 comparisons in all.
                 let outcome = welch(path, particle);
@@ -132,7 +140,8 @@ fn threads_and_divided_runs_leave_the_same_splats() {
         let region = Region { x: 3, y: 0, width: SIZE - 3, height: SIZE };
         let job = Job { region, first_sample: 0, budget, variance: false, memory_limit: 1 << 30 };
         let workers = Workers::new(std::num::NonZeroUsize::new(threads)).unwrap();
-        let (film, _) = render_samples(&camera, &job, &workers, &Silent, &Cancel::new()).unwrap();
+        let host = Host { workers: &workers, observer: &Silent, cancel: &Cancel::new() };
+        let (film, _) = render(&camera, &job, &host).unwrap();
         film.develop(Channels::default())
     };
     let one = picture(1);
@@ -140,4 +149,106 @@ fn threads_and_divided_runs_leave_the_same_splats() {
     for threads in [2, 5] {
         assert_eq!(picture(threads), one, "{threads} threads");
     }
+}
+
+/// Finds a share of the light by camera paths and the rest by particles, as a bidirectional
+/// integrator does.
+struct Joined {
+    paths: Box<dyn Integrator>,
+    particles: Box<dyn Integrator>,
+}
+
+const PATH_SHARE: f32 = 0.25;
+
+impl Integrator for Joined {
+    fn sample(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        sampler: &mut Sampler,
+        channels: &mut [f32],
+    ) -> Radiance {
+        let path = self.paths.sample(scene, start, &mut { *sampler }, channels);
+        let seen = self.particles.sample(scene, start, sampler, channels);
+        let color = path.color * PATH_SHARE + seen.color * (1.0 - PATH_SHARE);
+        Radiance { color, ..path }
+    }
+
+    fn particles(&self) -> Option<&dyn ParticleIntegrator> {
+        Some(self)
+    }
+}
+
+impl ParticleIntegrator for Joined {
+    fn trace_particle(
+        &self,
+        scene: &Scene,
+        sampler: &mut Sampler,
+        target: &SplatTarget<'_>,
+        sink: &mut SplatSink<'_>,
+    ) {
+        let mut weighted_sink =
+            |splat: Splat| sink(Splat { color: splat.color * (1.0 - PATH_SHARE), ..splat });
+        let particles = self.particles.particles().unwrap();
+        particles.trace_particle(scene, sampler, target, &mut weighted_sink);
+    }
+}
+
+#[test]
+fn camera_paths_and_particles_add_up() {
+    let light = r#"<emitter type="constant"/>"#;
+    let text = format!("{}{OBJECTS}{light}", sensor("perspective", ""));
+    let (scene, path) = build(&text, "path");
+    let expected = quarters(&scene, &*path, 12);
+    let joined = Joined { paths: path, particles: build(&text, "ptracer").1 };
+    for (index, (path, joined)) in expected.iter().zip(&quarters(&scene, &joined, 12)).enumerate() {
+        let outcome = welch(path, joined);
+        assert!(outcome.accepts(1e-4), "{index}: {} {}", path.mean(), joined.mean());
+    }
+}
+
+/// Keeps the random numbers that it is given.
+#[derive(Default)]
+struct Recorder {
+    camera_samples: Mutex<Vec<Sampler>>,
+    particles: Mutex<Vec<Sampler>>,
+}
+
+impl Integrator for Recorder {
+    fn sample(&self, _: &Scene, _: &Start, sampler: &mut Sampler, _: &mut [f32]) -> Radiance {
+        self.camera_samples.lock().unwrap().push(*sampler);
+        Radiance::NONE
+    }
+
+    fn particles(&self) -> Option<&dyn ParticleIntegrator> {
+        Some(self)
+    }
+}
+
+impl ParticleIntegrator for Recorder {
+    fn trace_particle(
+        &self,
+        _: &Scene,
+        sampler: &mut Sampler,
+        _: &SplatTarget<'_>,
+        _: &mut SplatSink<'_>,
+    ) {
+        self.particles.lock().unwrap().push(*sampler);
+    }
+}
+
+#[test]
+fn a_particle_has_the_random_numbers_of_its_camera_sample() {
+    let (scene, _) = build(&sensor("thinlens", ""), "path");
+    let recorder = Recorder::default();
+    quarters(&scene, &recorder, 1);
+    let sorted = |samplers: Mutex<Vec<Sampler>>| {
+        let samplers = samplers.into_inner().unwrap();
+        let mut texts: Vec<_> = samplers.iter().map(|sampler| format!("{sampler:?}")).collect();
+        texts.sort_unstable();
+        texts
+    };
+    let camera_samples = sorted(recorder.camera_samples);
+    assert_eq!(camera_samples.len(), 64 * (SIZE * SIZE) as usize);
+    assert_eq!(camera_samples, sorted(recorder.particles));
 }

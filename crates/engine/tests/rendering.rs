@@ -5,9 +5,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use etendue_engine::{
-    Budget, Cancel, Channels, Defect, EngineError, FilmSums, FinishedPass, Job, Observer, Progress,
-    Region, Sample, SampleId, SampleSource, Silent, Statistics, Workers, add_samples,
-    render_samples,
+    Budget, Cancel, Channels, Defect, DefectiveSample, EngineError, FilmSums, FinishedPass, Host,
+    Job, Observer, Progress, Region, Sample, SampleId, SampleSource, SamplesPerPixel, Silent,
+    Statistics, Workers, render_into,
 };
 use etendue_spectrum::Spectrum;
 
@@ -56,8 +56,19 @@ fn workers(thread_count: usize) -> Workers {
     Workers::new(NonZeroUsize::new(thread_count)).unwrap()
 }
 
+/// Renders on threads that nobody watches or stops.
+fn try_render(
+    source: &impl SampleSource,
+    job: &Job,
+    threads: usize,
+) -> Result<(FilmSums, Statistics), EngineError> {
+    let (workers, cancel) = (workers(threads), Cancel::new());
+    let host = Host { workers: &workers, observer: &Silent, cancel: &cancel };
+    etendue_engine::render(source, job, &host)
+}
+
 fn render(source: &impl SampleSource, job: &Job, threads: usize) -> (FilmSums, Statistics) {
-    render_samples(source, job, &workers(threads), &Silent, &Cancel::new()).unwrap()
+    try_render(source, job, threads).unwrap()
 }
 
 const ALL: Channels = Channels { alpha: true, variance: true };
@@ -85,7 +96,7 @@ fn pixels_hold_the_mean_of_their_own_samples() {
         assert_eq!(picture.channels[4].data[index], y as f32);
     }
     assert_eq!(statistics.samples, 5 * 37 * 21);
-    assert_eq!(statistics.samples_per_pixel, [5, 5]);
+    assert_eq!(statistics.samples_per_pixel, SamplesPerPixel::all(5));
     assert!(!statistics.cancelled);
 }
 
@@ -121,7 +132,8 @@ fn defective_samples_are_counted_named_and_left_out() {
     assert!(film.develop(ALL).channels[0].data.iter().all(|&value| value == 6.0));
     let pixels = REGION.pixel_count();
     assert_eq!((statistics.defects.non_finite, statistics.defects.negative), (2 * pixels, pixels));
-    let first = (SampleId { index: 1, y: 3, x: 2 }, Defect::NonFinite);
+    let id = SampleId { index: 1, y: 3, x: 2 };
+    let first = DefectiveSample { id, defect: Defect::NonFinite };
     assert_eq!(statistics.defects.first[0], first);
 }
 
@@ -159,7 +171,7 @@ impl Observer for CancelAtThird {
     fn pass_finished(&self, pass: &FinishedPass<'_>) {
         let mut passes = self.passes.lock().unwrap();
         passes.push(pass.samples_per_pixel);
-        assert_eq!(pass.film.samples_per_pixel(), [pass.samples_per_pixel; 2]);
+        assert_eq!(pass.film.samples_per_pixel(), SamplesPerPixel::all(pass.samples_per_pixel));
         if passes.len() == 3 {
             self.cancel.cancel();
         }
@@ -170,11 +182,13 @@ impl Observer for CancelAtThird {
 fn a_cancelled_render_keeps_what_is_done() {
     let source = formula(|_| grey(1.0));
     let observer = CancelAtThird::default();
-    let result = render_samples(&source, &job(4000), &workers(2), &observer, &observer.cancel);
-    let (film, statistics) = result.unwrap();
+    let workers = workers(2);
+    let host = Host { workers: &workers, observer: &observer, cancel: &observer.cancel };
+    let (film, statistics) = etendue_engine::render(&source, &job(4000), &host).unwrap();
     assert!(statistics.cancelled);
     let done = observer.passes.lock().unwrap()[2];
-    assert_eq!(statistics.samples_per_pixel, [done; 2], "a pass that was not begun left no trace");
+    let expected = SamplesPerPixel::all(done);
+    assert_eq!(statistics.samples_per_pixel, expected, "a pass that was not begun left no trace");
     assert!(film.develop(ALL).channels[0].data.iter().all(|&value| value == 1.0));
     assert_eq!(observer.last.lock().unwrap().unwrap().samples_done, statistics.samples);
 }
@@ -190,7 +204,7 @@ fn a_time_limit_ends_the_render_but_not_before_every_pixel_has_a_sample() {
         let budget = Budget { samples_per_pixel: None, time };
         let started = Instant::now();
         let (_, statistics) = render(&source, &Job { budget, ..job(1) }, 2);
-        assert!(statistics.samples_per_pixel[0] >= 1);
+        assert!(statistics.samples_per_pixel.least >= 1);
         assert!(!statistics.cancelled, "the budget was spent");
         // A pass takes some 60 ms here; seconds are what a busy machine may add.
         assert!(started.elapsed() < Duration::from_secs(10));
@@ -200,9 +214,7 @@ fn a_time_limit_ends_the_render_but_not_before_every_pixel_has_a_sample() {
 #[test]
 fn jobs_that_cannot_be_done_are_errors() {
     let source = formula(|_| grey(1.0));
-    let try_job = |job: Job| {
-        render_samples(&source, &job, &workers(1), &Silent, &Cancel::new()).map(|_| ()).unwrap_err()
-    };
+    let try_job = |job: Job| try_render(&source, &job, 1).map(|_| ()).unwrap_err();
     assert_eq!(try_job(job(0)), EngineError::NoBudget);
     let endless = Budget { samples_per_pixel: None, time: None };
     assert_eq!(try_job(Job { budget: endless, ..job(1) }), EngineError::NoBudget);
@@ -216,15 +228,16 @@ fn jobs_that_cannot_be_done_are_errors() {
 
 /// Any order of runs over any ranges of samples gives the same sums.
 #[test]
-fn going_on_with_a_film_is_rendering_it_at_once() {
+fn a_film_that_is_rendered_in_steps_is_the_one_rendered_at_once() {
     let source = formula(|id| grey(noise(id) * 1e3_f32.powf(noise(id) * 7.0)));
     let whole = render(&source, &job(50), 2).0.develop(ALL);
     let film = FilmSums::new(&job(50), &source, 128).unwrap();
     for (end, threads) in [(7, 1), (7, 2), (20, 5), (50, 2)] {
         let budget = Budget { samples_per_pixel: Some(end), time: None };
         let (workers, cancel) = (workers(threads), Cancel::new());
-        add_samples(&source, (&film, budget), &workers, &Silent, &cancel).unwrap();
-        assert_eq!(film.samples_per_pixel(), [end; 2]);
+        let host = Host { workers: &workers, observer: &Silent, cancel: &cancel };
+        render_into(&source, &film, budget, &host).unwrap();
+        assert_eq!(film.samples_per_pixel(), SamplesPerPixel::all(end));
     }
     assert_eq!(film.develop(ALL), whole);
 }
@@ -233,7 +246,7 @@ fn going_on_with_a_film_is_rendering_it_at_once() {
 fn a_part_takes_the_samples_from_its_first_one() {
     let source = formula(|id| grey(id.index as f32));
     let (film, statistics) = render(&source, &Job { first_sample: 10, ..job(20) }, 2);
-    assert_eq!((film.first_sample(), film.samples_per_pixel()), (10, [10; 2]));
+    assert_eq!((film.first_sample(), film.samples_per_pixel()), (10, SamplesPerPixel::all(10)));
     assert_eq!(statistics.samples, 10 * REGION.pixel_count());
     assert_eq!(film.develop(ALL).channels[0].data[0], 14.5, "the mean of 10 to 19");
 }

@@ -36,7 +36,7 @@
 //! 3. [`RenderJob::new`] chooses a camera and a budget.
 //! 4. [`RenderJob::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
 //!    [`Rendering`].
-//! 5. Or, to keep what is done: [`RenderJob::new_film`] or [`SumsFile::read`], [`RenderJob::add_samples`],
+//! 5. Or, to keep what is done: [`RenderJob::new_film`] or [`SumsFile::read`], [`RenderJob::render_into`],
 //!    [`SumsFile::write`] from another thread meanwhile, [`RenderJob::develop`]. Parts of a picture that
 //!    were rendered apart are put together by [`merge::merge`].
 //! 6. [`image::encode`] makes a file's bytes of its picture.
@@ -77,8 +77,9 @@ pub use diagnostic_report::DiagnosticReport;
 pub use error::Error;
 pub use etendue_document::{Resources, render_diagnostic};
 pub use etendue_engine::{
-    Cancel, Defect, Defects, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums,
-    FinishedPass, Observer, Progress, Region, SampleId, Silent, Statistics, Workers,
+    Cancel, Defect, DefectiveSample, Defects, EngineError, FilmFile, FilmFileError, FilmRecord,
+    FilmSums, FinishedPass, Observer, Progress, Region, SampleId, SamplesPerPixel, Silent,
+    Statistics, Workers,
 };
 pub use files::Files;
 pub use load::{LoadTimes, Loaded, LoadedScene, load, load_text};

@@ -107,8 +107,12 @@ fn read(part: &Part<'_>, memory_limit: u64) -> Result<FilmSums, MergeError> {
         .file
         .read(memory_limit)
         .map_err(|error| MergeError::File(part.file.path().to_owned(), error))?;
-    let [least, most] = film.samples_per_pixel();
-    if least == most && least > 0 { Ok(film) } else { Err(MergeError::Unfinished(part.path())) }
+    let samples = film.samples_per_pixel();
+    if samples.is_even() && samples.least > 0 {
+        Ok(film)
+    } else {
+        Err(MergeError::Unfinished(part.path()))
+    }
 }
 
 fn check_identities(parts: &[Part<'_>]) -> Result<(), MergeError> {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use etendue_document::{MemoryResources, Resources};
 use etendue_engine::{
-    Budget, Camera, FilmRecord, FilmSums, Job, Region, SampleSource, Statistics, add_samples,
+    Budget, Camera, FilmRecord, FilmSums, Host, Job, Region, SampleSource, Statistics, render_into,
 };
 use etendue_sampling::SamplerSpec;
 use etendue_scene::SensorSetup;
@@ -179,14 +179,15 @@ impl<'a> RenderJob<'a> {
     /// # Errors
     ///
     /// [`Error::Engine`] if it cannot be started.
-    pub fn add_samples(
+    pub fn render_into(
         &self,
         film: &FilmSums,
         workers: &Workers,
         observer: &dyn Observer,
         cancel: &Cancel,
     ) -> Result<Statistics, Error> {
-        Ok(add_samples(&self.camera, (film, self.job.budget), workers, observer, cancel)?)
+        let host = Host { workers, observer, cancel };
+        Ok(render_into(&self.camera, film, self.job.budget, &host)?)
     }
 
     /// The picture of sums of this job; `seconds` is the wall time of all runs that made them.
@@ -206,7 +207,7 @@ impl<'a> RenderJob<'a> {
         cancel: &Cancel,
     ) -> Result<Rendering, Error> {
         let film = self.new_film(workers)?;
-        let statistics = self.add_samples(&film, workers, observer, cancel)?;
+        let statistics = self.render_into(&film, workers, observer, cancel)?;
         let seconds = statistics.duration.as_secs_f64();
         Ok(self.develop(&film, statistics, seconds))
     }

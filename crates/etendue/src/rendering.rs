@@ -40,7 +40,7 @@ impl Rendering {
         }
         let [width, height] = development.film;
         picture.display_window = Window { x: 0, y: 0, width, height };
-        picture.metadata = development.metadata(statistics.samples_per_pixel[0], seconds);
+        picture.metadata = development.metadata(statistics.samples_per_pixel.least, seconds);
         let encoding = EncodeOptions {
             exr_precision: precision(development.precision, &picture, HasLayers(has_layers)),
             tone_map: development.tone_map,

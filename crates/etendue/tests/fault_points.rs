@@ -16,8 +16,8 @@ use etendue::document::MemoryResources;
 use etendue::durable::{WriteStep, remove_abandoned, write_durably_with};
 use etendue::image::Picture;
 use etendue::{
-    Cancel, FilmSums, LoadedScene, RenderJob, RenderOptions, SceneOptions, Silent, Statistics,
-    SumsFile, Workers, load_text,
+    Cancel, FilmSums, LoadedScene, RenderJob, RenderOptions, SamplesPerPixel, SceneOptions, Silent,
+    Statistics, SumsFile, Workers, load_text,
 };
 
 /// Where the second process is told what to do.
@@ -73,7 +73,7 @@ fn render(content: &LoadedScene, film: Option<FilmSums>, count: u32) -> (FilmSum
     let workers = Workers::new(NonZeroUsize::new(2)).unwrap();
     let job = RenderJob::new(content, &options).unwrap();
     let film = film.unwrap_or_else(|| job.new_film(&workers).unwrap());
-    job.add_samples(&film, &workers, &Silent, &Cancel::new()).unwrap();
+    job.render_into(&film, &workers, &Silent, &Cancel::new()).unwrap();
     let picture = job.develop(&film, Statistics::default(), 0.0).picture;
     (film, picture)
 }
@@ -103,7 +103,10 @@ fn a_process_that_dies_anywhere_leaves_a_whole_checkpoint() {
         let (header, film) = file.read(1 << 30).unwrap();
         let is_new = matches!(point, Point::After(WriteStep::Renamed | WriteStep::Done));
         let held = if is_new { COUNTS[1] } else { COUNTS[0] };
-        assert_eq!((header.samples_per_pixel, film.samples_per_pixel()), (held, [held; 2]));
+        assert_eq!(
+            (header.samples_per_pixel, film.samples_per_pixel()),
+            (held, SamplesPerPixel::all(held))
+        );
         let (_, picture) = render(&content, Some(film), COUNTS[2]);
         assert_eq!(picture.channels, expected.channels, "{point:?}");
         remove_abandoned(file.path());

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use etendue::image::{FileFormat, MetadataValue, decode_picture};
 use etendue::{
-    Error, Region, RenderOptions, Rendering, SceneOptions, SensorChoice, render_file, render_text,
+    Error, Region, RenderOptions, Rendering, SamplesPerPixel, SceneOptions, SensorChoice,
+    render_file, render_text,
 };
 
 /// A scene whose film has the given parameters beside its size of 12x8.
@@ -87,10 +88,10 @@ fn parts_of_the_film_are_checked() {
 #[test]
 fn budgets_may_be_samples_or_time() {
     let few = RenderOptions { samples_per_pixel: Some(5), ..RenderOptions::default() };
-    assert_eq!(render("", &few).unwrap().statistics.samples_per_pixel, [5, 5]);
+    assert_eq!(render("", &few).unwrap().statistics.samples_per_pixel, SamplesPerPixel::all(5));
     let time_limit = Some(Duration::from_millis(1));
     let short = RenderOptions { time_limit, ..RenderOptions::default() };
-    assert!(render("", &short).unwrap().statistics.samples_per_pixel[0] >= 1);
+    assert!(render("", &short).unwrap().statistics.samples_per_pixel.least >= 1);
 }
 
 #[test]

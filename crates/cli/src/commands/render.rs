@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use etendue::{
     EngineError, Error, FilmSums, LoadTimes, Region, RenderJob, RenderOptions, Rendering,
-    SampleChoice, SampleId, SensorChoice, Statistics, SumsFile, Workers,
+    SampleChoice, SampleId, SamplesPerPixel, SensorChoice, Statistics, SumsFile, Workers,
 };
 use serde_json::json;
 
@@ -157,7 +157,7 @@ impl Host<'_> {
         let film = match (&checkpoint, &header) {
             (Some(checkpoint), Some(header)) => {
                 let film = resume::read(checkpoint, header, &job)?;
-                let held = text::counted(film.samples_per_pixel()[0] as usize, "sample");
+                let held = text::counted(film.samples_per_pixel().least as usize, "sample");
                 let name = checkpoint.path().display();
                 self.say(&format!("going on with {name}: {held} per pixel"));
                 film
@@ -170,11 +170,11 @@ impl Host<'_> {
         }
         let seconds_before = header.map_or(0.0, |header| header.record.seconds);
         let run = Run { job: &job, film: &film, outputs, checkpoint: kept, seconds_before };
-        self.add_samples(&run, path, &loaded.times)
+        self.render_into_film(&run, path, &loaded.times)
     }
 
     /// Renders, keeps what is done meanwhile, and writes what it makes.
-    fn add_samples(
+    fn render_into_film(
         &self,
         run: &Run<'_>,
         path: &Path,
@@ -209,7 +209,7 @@ impl Host<'_> {
         let statistics = thread::scope(|scope| {
             scope.spawn(|| keeper.run(&end));
             let _end = end.guard();
-            run.job.add_samples(run.film, self.workers, &display, self.signals.cancel())
+            run.job.render_into(run.film, self.workers, &display, self.signals.cancel())
         });
         display.finish();
         let statistics = statistics.map_err(|error| failure(path, error))?;
@@ -222,9 +222,10 @@ impl Host<'_> {
         if arguments.scene.verbose {
             report::times(load_times, &rendering.statistics, write_started.elapsed());
         }
+        let SamplesPerPixel { least, most } = rendering.statistics.samples_per_pixel;
         display.event("end", &json!({
             "files": run.outputs.paths().map(|path| path.display().to_string()).collect::<Vec<_>>(),
-            "samples_per_pixel": rendering.statistics.samples_per_pixel,
+            "samples_per_pixel": [least, most],
             "stopped_early": rendering.statistics.cancelled,
             "written": status == Status::Fine,
         }));

@@ -1,8 +1,8 @@
-//! Numbers and texts as bytes, with a checksum of all that passes.
+//! Numbers and texts as bytes, with a checksum of all bytes.
 
 use std::io::{self, Read, Write};
 
-use super::FilmFileError;
+use super::error::FilmFileError;
 
 /// Writes bytes and hashes them.
 pub(super) struct HashingWriter<'a> {
@@ -17,16 +17,17 @@ impl HashingWriter<'_> {
     }
 }
 
-/// Reads bytes, hashes them, and knows how many there can still be.
+/// Reads bytes, hashes them, and knows how many are left.
 pub(super) struct HashingReader<'a> {
     pub(super) inner: &'a mut dyn Read,
     pub(super) hasher: blake3::Hasher,
-    /// Bytes to come, by the length of the file.
+    /// Bytes that are left, by the length of the file.
     pub(super) left: u64,
 }
 
 impl HashingReader<'_> {
-    /// The next bytes. No more memory is taken than the file is long.
+    /// The next bytes. They are never more than are left, so that memory stays within the file's
+    /// length.
     pub(super) fn read(&mut self, count: u64) -> Result<Vec<u8>, FilmFileError> {
         self.left = self.left.checked_sub(count).ok_or(FilmFileError::Torn)?;
         let mut bytes = vec![0; usize::try_from(count).map_err(|_| FilmFileError::Torn)?];
@@ -36,7 +37,7 @@ impl HashingReader<'_> {
     }
 }
 
-/// Bytes that are taken from the front.
+/// Takes numbers and texts from the front of some bytes.
 pub(super) struct Cursor<'a>(pub(super) &'a [u8]);
 
 impl<'a> Cursor<'a> {
@@ -82,7 +83,7 @@ impl<'a> Cursor<'a> {
         String::from_utf8(bytes).map_err(|_| FilmFileError::Invalid("a text is not UTF-8"))
     }
 
-    /// A list of at least one byte per item, so that its length cannot promise more than there is.
+    /// A list whose items take at least one byte each: its length is checked against the bytes left.
     pub(super) fn list<T>(
         &mut self,
         item: impl Fn(&mut Self) -> Result<T, FilmFileError>,
@@ -95,7 +96,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-const ENDS_EARLY: FilmFileError = FilmFileError::Invalid("a part of it ends early");
+const ENDS_EARLY: FilmFileError = FilmFileError::Invalid("a part ends early");
 
 /// Appends a text to bytes.
 pub(super) fn push_text(bytes: &mut Vec<u8>, text: &str) {
@@ -103,7 +104,7 @@ pub(super) fn push_text(bytes: &mut Vec<u8>, text: &str) {
     bytes.extend_from_slice(text.as_bytes());
 }
 
-/// Appends the length of a text or list. None of them comes near the limit: names and options of
+/// Appends the length of a text or list. All of them are far below the limit: names, the options of
 /// one command line, eight defects.
 pub(super) fn push_length(bytes: &mut Vec<u8>, length: usize) {
     bytes.extend_from_slice(&u32::try_from(length).unwrap_or(u32::MAX).to_le_bytes());

@@ -2,23 +2,24 @@
 
 use std::{fmt, io};
 
-use crate::EngineError;
+use super::format::VERSION;
+use crate::error::EngineError;
 
 /// Why a film's file cannot be read.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum FilmFileError {
-    /// The operating system does not give the bytes.
+    /// Reading failed.
     Io(io::Error),
-    /// The file is of another kind.
+    /// The file is not a film's.
     NotSums,
-    /// The file is of another version of the format.
+    /// The file has another version of the format.
     Version(u32),
-    /// The file ends early, or its checksum is not that of its bytes.
+    /// The file ends early, or its checksum is wrong.
     Torn,
-    /// The checksum is right, but the content makes no sense, for this reason.
+    /// The content is invalid, for this reason.
     Invalid(&'static str),
-    /// There is no room for the sums.
+    /// The film cannot be created.
     Engine(EngineError),
 }
 
@@ -35,14 +36,14 @@ impl fmt::Display for FilmFileError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Io(error) => error.fmt(formatter),
-            Self::NotSums => write!(formatter, "this is no checkpoint or part of a picture"),
+            Self::NotSums => write!(formatter, "this is not a checkpoint or a part of a picture"),
             Self::Version(version) => write!(
                 formatter,
-                "the file is of version {version} of the format; this program reads version {}",
-                super::VERSION
+                "the file has version {version} of the format; this program reads version {}",
+                VERSION
             ),
-            Self::Torn => write!(formatter, "the file is torn: its checksum is not right"),
-            Self::Invalid(what) => write!(formatter, "the file makes no sense: {what}"),
+            Self::Torn => write!(formatter, "the file is torn: its checksum is wrong"),
+            Self::Invalid(what) => write!(formatter, "the file is invalid: {what}"),
             Self::Engine(error) => error.fmt(formatter),
         }
     }

@@ -1,18 +1,19 @@
-//! From bytes to sums. The bytes may be anybody's: nothing is taken on trust.
+//! From bytes to sums. The bytes may come from anywhere: everything is checked.
 
 use std::io::Read;
 
 use super::bytes::{Cursor, HashingReader};
-use super::{CHECKSUM_BYTES, FilmFileError, FilmRecord, MAGIC, PREFIX_BYTES, VERSION};
-use crate::SampleId;
+use super::error::FilmFileError;
+use super::format::{CHECKSUM_BYTES, FilmRecord, MAGIC, PREFIX_BYTES, VERSION};
 use crate::exact_sums::ExactSums;
-use crate::film_sums::FilmSums;
+use crate::film_sums::{FilmLayout, FilmSums};
 use crate::region::{Region, TILE_SIDES};
+use crate::source::SampleId;
 use crate::splats::Splats;
-use crate::statistics::{Defect, Defects, KEPT};
+use crate::statistics::{Defect, DefectiveSample, Defects, KEPT};
 use crate::tile::{Tile, TileKind};
 
-/// A film's file whose header has been read.
+/// The header of a film's file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmFile {
     /// What the file says beside the sums.
@@ -21,9 +22,9 @@ pub struct FilmFile {
     pub region: Region,
     /// The index of every pixel's first sample.
     pub first_sample: u32,
-    /// Samples that every pixel has, at least.
+    /// The least number of samples of any pixel.
     pub samples_per_pixel: u32,
-    /// The names of the extra channels.
+    /// The names of the channels beside colour and alpha.
     pub channel_names: Vec<String>,
     /// Whether there are squares, for variances.
     pub variance: bool,
@@ -33,15 +34,16 @@ pub struct FilmFile {
     header: Vec<u8>,
 }
 
-/// A header longer than this is none.
+/// The longest header that is read.
 const MAX_HEADER_BYTES: u32 = 1 << 20;
 
 impl FilmFile {
-    /// Reads the header; `input` then stands before the sums. The checksum is not known yet.
+    /// Reads the header, and leaves `input` at the sums. The checksum comes after them and is not
+    /// checked yet.
     ///
     /// # Errors
     ///
-    /// [`FilmFileError`] if there is no header that makes sense.
+    /// [`FilmFileError`] if there is no valid header.
     pub fn read_header(input: &mut dyn Read) -> Result<Self, FilmFileError> {
         let mut prefix = [0; PREFIX_BYTES];
         input.read_exact(&mut prefix).map_err(not_sums_if_short)?;
@@ -89,27 +91,27 @@ impl FilmFile {
         let Region { x, y, width, height } = self.region;
         let fits = |start: u32, length: u32| length > 0 && start.checked_add(length).is_some();
         if !fits(x, width) || !fits(y, height) {
-            return Err(FilmFileError::Invalid("its pixels lie nowhere"));
+            return Err(FilmFileError::Invalid("its region is not valid"));
         }
         if !TILE_SIDES.contains(&self.tile_side) {
-            return Err(FilmFileError::Invalid("its tiles have no size that there is"));
+            return Err(FilmFileError::Invalid("the size of its tiles is not valid"));
         }
         if self.first_sample.checked_add(self.samples_per_pixel).is_none() {
-            return Err(FilmFileError::Invalid("its samples have no indices"));
+            return Err(FilmFileError::Invalid("it has too many samples"));
         }
         if !self.record.seconds.is_finite() || self.record.seconds < 0.0 {
-            return Err(FilmFileError::Invalid("its time is none"));
+            return Err(FilmFileError::Invalid("its time is not valid"));
         }
         Ok(())
     }
 
-    /// Reads the sums that follow the header, and checks the checksum of it all.
+    /// Reads the sums that follow the header, and checks the checksum of the whole file.
     ///
     /// `length` is that of the whole file, header included; the sums may take `memory_limit` bytes.
     ///
     /// # Errors
     ///
-    /// [`FilmFileError`] if the file is torn or makes no sense, or there is no room.
+    /// [`FilmFileError`] if the file is torn or invalid, or the sums exceed the limit.
     pub fn read_sums(
         &self,
         input: &mut dyn Read,
@@ -124,17 +126,18 @@ impl FilmFile {
         };
         let expected = tile_bytes(self.region.pixel_count(), kind);
         let left = length.saturating_sub(self.header.len() as u64);
-        // Before memory is taken: a header may promise anything.
+        // Before memory is allocated: a header may claim any size.
         if left < expected {
             return Err(FilmFileError::Torn);
         }
-        let mut film = FilmSums::with_tiles(
-            self.region,
-            &self.channel_names,
+        let layout = FilmLayout {
+            region: self.region,
+            channel_names: self.channel_names.clone(),
             kind,
-            (self.tile_side, memory_limit),
-        )
-        .map_err(FilmFileError::Engine)?;
+            tile_side: self.tile_side,
+        };
+        let mut film =
+            FilmSums::with_layout(layout, memory_limit).map_err(FilmFileError::Engine)?;
         let hasher = blake3::Hasher::new();
         let mut input = HashingReader { inner: input, hasher, left };
         input.hasher.update(&self.header);
@@ -143,7 +146,7 @@ impl FilmFile {
         }
         for mut row in film.splats().into_iter().flat_map(Splats::rows) {
             let bytes = input.read(ExactSums::BYTES * row.len() as u64)?;
-            read_sums(&mut Cursor(&bytes), &mut row, GREATEST_SPLATS)?;
+            read_sums(&mut Cursor(&bytes), &mut row, MAX_SPLATS)?;
         }
         let checksum = input.hasher.finalize();
         if input.left != CHECKSUM_BYTES as u64
@@ -155,7 +158,7 @@ impl FilmFile {
     }
 }
 
-/// What the counts and sums of so many pixels take in a file.
+/// The bytes of the counts and sums of some pixels.
 fn tile_bytes(pixel_count: u64, kind: TileKind) -> u64 {
     pixel_count.saturating_mul(4 + ExactSums::BYTES * kind.sums_per_pixel())
 }
@@ -169,7 +172,7 @@ fn read_tile(
     let mut cursor = Cursor(&start);
     tile.next_sample = cursor.u32()?;
     let Some(given) = tile.next_sample.checked_sub(kind.first_sample) else {
-        return Err(FilmFileError::Invalid("a tile ends before it begins"));
+        return Err(FilmFileError::Invalid("a tile ends before its first sample"));
     };
     let (non_finite, negative) = (cursor.u64()?, cursor.u64()?);
     let kept = cursor.u32()?;
@@ -185,24 +188,24 @@ fn read_tile(
     for count in &mut tile.counts {
         *count = cursor.u32()?;
         if *count > given {
-            return Err(FilmFileError::Invalid("a pixel has more samples than it was given"));
+            return Err(FilmFileError::Invalid("a pixel has more samples than its tile"));
         }
     }
     read_sums(&mut cursor, &mut tile.sums, given)?;
     read_sums(&mut cursor, &mut tile.squares, given)
 }
 
-/// So many splats in one pixel leave room for as many again.
-const GREATEST_SPLATS: u32 = 1 << 31;
+/// The most splats of one pixel in a file. A render can add as many again before a sum overflows.
+const MAX_SPLATS: u32 = 1 << 31;
 
-fn read_defects(bytes: &[u8], count: u32) -> Result<Vec<(SampleId, Defect)>, FilmFileError> {
+fn read_defects(bytes: &[u8], count: u32) -> Result<Vec<DefectiveSample>, FilmFileError> {
     let mut cursor = Cursor(bytes);
     let one = |_| {
         let id = SampleId { index: cursor.u32()?, y: cursor.u32()?, x: cursor.u32()? };
         match cursor.u8()? {
-            0 => Ok((id, Defect::NonFinite)),
-            1 => Ok((id, Defect::Negative)),
-            _ => Err(FilmFileError::Invalid("a defect of no kind")),
+            0 => Ok(DefectiveSample { id, defect: Defect::NonFinite }),
+            1 => Ok(DefectiveSample { id, defect: Defect::Negative }),
+            _ => Err(FilmFileError::Invalid("a defect has an unknown kind")),
         }
     };
     (0..count).map(one).collect()
@@ -220,14 +223,14 @@ fn read_sums(
         let digits = [cursor.i64()?, cursor.i64()?];
         let is_possible = digits.iter().all(|digit| digit.unsigned_abs() <= greatest);
         if !ExactSums::is_limit(limit) || !is_possible {
-            return Err(FilmFileError::Invalid("a sum that no samples have"));
+            return Err(FilmFileError::Invalid("a sum is not valid"));
         }
         sums.merge_one(index, (limit, digits));
     }
     Ok(())
 }
 
-/// A file too short for a prefix is of another kind.
+/// A file too short for a prefix is not a film's.
 fn not_sums_if_short(error: std::io::Error) -> FilmFileError {
     match FilmFileError::from(error) {
         FilmFileError::Torn => FilmFileError::NotSums,

@@ -3,19 +3,19 @@
 use std::io::{self, Write};
 
 use super::bytes::{HashingWriter, push_length, push_text};
-use super::{FilmRecord, MAGIC, VERSION};
+use super::format::{FilmRecord, MAGIC, VERSION};
 use crate::exact_sums::ExactSums;
 use crate::film_sums::FilmSums;
 use crate::splats::Splats;
-use crate::statistics::{Defect, Defects};
+use crate::statistics::{Defect, DefectiveSample, Defects};
 use crate::tile::Tile;
 
 impl FilmSums {
-    /// Writes the sums as they are, tile by tile, while other threads may add to them.
+    /// Writes the sums, tile by tile. Other threads may add to the film meanwhile.
     ///
     /// # Errors
     ///
-    /// What `out` says.
+    /// The error of `out`.
     pub fn write(&self, record: &FilmRecord, out: &mut dyn Write) -> io::Result<()> {
         let header = self.header(record);
         let mut out = HashingWriter { inner: out, hasher: blake3::Hasher::new() };
@@ -25,12 +25,12 @@ impl FilmSums {
         push_length(&mut length, header.len());
         out.write(&length)?;
         out.write(&header)?;
-        // Splats are those of all tiles together: they are written while no tile is in its turn.
+        // A splat may land anywhere, so the splats and counts agree only while no tile has a turn.
         let _pause = self.splats().map(Splats::pause);
         let mut bytes = Vec::new();
         for index in 0..self.tile_count() {
             bytes.clear();
-            // The lock is held while the tile is copied, and not while it is written.
+            // The lock is held while the tile is copied, but not while it is written.
             push_tile(&mut bytes, &self.tile(index));
             out.write(&bytes)?;
         }
@@ -55,14 +55,13 @@ impl FilmSums {
         bytes.extend_from_slice(&record.planned_samples.to_le_bytes());
         bytes.extend_from_slice(&record.seconds.to_le_bytes());
         let region = self.region();
-        let [least, _] = self.samples_per_pixel();
         for number in [
             region.x,
             region.y,
             region.width,
             region.height,
             self.first_sample(),
-            least,
+            self.samples_per_pixel().least,
             self.tile_side(),
         ] {
             bytes.extend_from_slice(&number.to_le_bytes());
@@ -91,7 +90,7 @@ fn push_defects(bytes: &mut Vec<u8>, defects: &Defects) {
     bytes.extend_from_slice(&defects.non_finite.to_le_bytes());
     bytes.extend_from_slice(&defects.negative.to_le_bytes());
     push_length(bytes, defects.first.len());
-    for (id, defect) in &defects.first {
+    for DefectiveSample { id, defect } in &defects.first {
         for number in [id.index, id.y, id.x] {
             bytes.extend_from_slice(&number.to_le_bytes());
         }
@@ -102,7 +101,7 @@ fn push_defects(bytes: &mut Vec<u8>, defects: &Defects) {
     }
 }
 
-/// Most of a file: the places are made first, and then filled without asking for room again.
+/// Appends sums. They are most of a file, so the vector grows once for all of them.
 fn push_sums(bytes: &mut Vec<u8>, sums: &ExactSums) {
     let (limits, digits) = sums.raw_parts();
     for (place, limit) in grow(bytes, limits.len() * 2).chunks_exact_mut(2).zip(limits) {
@@ -114,7 +113,7 @@ fn push_sums(bytes: &mut Vec<u8>, sums: &ExactSums) {
     }
 }
 
-/// So many bytes at the end, to be filled.
+/// Appends zeros, and returns them to be overwritten.
 fn grow(bytes: &mut Vec<u8>, count: usize) -> &mut [u8] {
     let start = bytes.len();
     bytes.resize(start + count, 0);
