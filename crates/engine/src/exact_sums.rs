@@ -2,9 +2,9 @@
 //!
 //! A picture must come out the same, bit for bit, however its samples are divided over threads,
 //! runs and machines. Floating-point addition is not associative; integer addition is. So every
-//! value is first cut, by a rule that looks at nothing but the value, into whole multiples of two
-//! units, and the multiples are added as integers (the idea of Demmel and Nguyen, *Parallel
-//! Reproducible Summation*, 2015, with integers in place of their floating-point bins).
+//! value is first cut into whole multiples of two units, by a rule that depends on the value alone, and
+//! the multiples are added as integers (the idea of Demmel and Nguyen, *Parallel Reproducible
+//! Summation*, 2015, with integers in place of their floating-point bins).
 //!
 //! # The rule
 //!
@@ -15,31 +15,31 @@
 //! - the high digit `h = round(v / u(w))`, and
 //! - the low digit `l = round((v − h u(w)) / u(w − 1))`.
 //!
-//! Both are integers of at most 2^31 in magnitude. A sum has the least window that all its values
-//! fit, and holds Σh and Σl of that window.
+//! Both are integers of at most 2^31 in magnitude. A sum has the least window that all of its values
+//! fit, and stores Σh and Σl of that window.
 //!
 //! # Why the order does not matter
 //!
-//! The least common window is a maximum, and so needs no order. It remains that digits taken in a
-//! lower window can be carried over when a greater value comes. Let v fit window w.
+//! The least common window is a maximum, so it does not depend on the order. It remains to show that
+//! digits of a lower window can be carried over when a greater value arrives. Let v fit window w.
 //!
-//! - In window w + 1, `|v| / u(w + 1) < 1/2`, so h is 0 and `l = round(v / u(w))`: what was the high
-//!   digit. The high sum moves into the low place, exactly.
-//! - In window w + 2 and above, `|v| / u(w + 1) < 1/2` makes both digits 0: the sums are dropped,
-//!   exactly as if each value had been cut there in the first place.
+//! - In window w + 1, `|v| / u(w + 1) < 1/2`, so h is 0 and `l = round(v / u(w))`, which was the high
+//!   digit. The high sum moves into the low place exactly.
+//! - In window w + 2 and above, `|v| / u(w + 1) < 1/2` makes both digits 0. The sums are dropped, exactly
+//!   as if each value had been cut in that window.
 //!
-//! Hence window, Σh and Σl are functions of the set of values alone, whatever the order and however
-//! partial sums were merged. No sum overflows below 2^32 additions: 2^32 · 2^31 = 2^63.
+//! So window, Σh and Σl depend on the set of values alone, not on the order or on how partial sums were
+//! merged. No sum overflows below 2^32 additions: 2^32 · 2^31 = 2^63.
 //!
 //! # What it costs
 //!
-//! A value is rounded by at most half of u(w − 1): 2^−48 where the greatest value of the sum lies
+//! A value is rounded by at most half of u(w − 1). That is 2^−48 if the greatest value of the sum lies
 //! between 2^−16 and 2^16, as light mostly does, and never more than 2^−32 of that greatest value.
-//! A sum takes 18 bytes, a value some twenty machine instructions.
+//! A sum takes 18 bytes, adding a value about twenty machine instructions.
 
 use fearless_simd::{Simd, f64x4, i64x4, prelude::*, u64x4};
 
-/// Many sums, each in the arithmetic that the head of the file describes.
+/// Many sums whose values may be added in any order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExactSums {
     limits: Vec<u16>,
@@ -49,7 +49,7 @@ pub struct ExactSums {
 /// Σh and Σl.
 pub(crate) type Digits = [i64; 2];
 
-/// Some neighbouring sums, to add to.
+/// Some consecutive sums, to add to.
 pub(crate) struct SumsMut<'a> {
     limits: &'a mut [u16],
     digits: &'a mut [Digits],
@@ -61,29 +61,30 @@ const DIGIT_BITS: u16 = 32;
 /// The exponent field of one.
 const BIAS: u16 = 1023;
 
-/// A window is known by its limit: the exponent field of the least power of two that is too large
-/// for it. This is the limit of window 0, 2^16.
+/// The code names a window by its limit: the exponent field of the least power of two that is too
+/// large for it. This is the limit of window 0, 2^16.
 const LIMIT_OF_WINDOW_0: u16 = BIAS + 16;
 
-/// The lowest window, which an empty sum has. Its limit of 2^−592 is below the square of every
-/// product of two single-precision numbers that matters; smaller values are rounded to its units.
+/// The lowest window, which an empty sum has. Its limit is 2^−592; smaller values are rounded to its
+/// units. Films add products of two single-precision numbers and squares of these, which are that
+/// small only where they are black.
 const LOWEST_LIMIT: u16 = LIMIT_OF_WINDOW_0 - 19 * DIGIT_BITS;
 
 /// The highest window, which fits every finite value.
 const HIGHEST_LIMIT: u16 = LIMIT_OF_WINDOW_0 + 32 * DIGIT_BITS;
 
-/// 1.5 · 2^52: a number of magnitude below 2^51 added to it is rounded to an integer, which then
-/// stands in the lowest bits.
+/// 1.5 · 2^52. Adding it to a number of magnitude below 2^51 rounds that number to an integer, which is
+/// then in the lowest bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// 2^32: how many low units make a high one.
+/// 2^32: the number of low units in a high one.
 const UNIT_RATIO: f64 = 4_294_967_296.0;
 
 impl ExactSums {
-    /// What one sum takes in memory.
+    /// The bytes of one sum.
     pub const BYTES: u64 = (size_of::<u16>() + size_of::<Digits>()) as u64;
 
-    /// As many sums as asked for, all zero.
+    /// So many sums, all zero.
     #[must_use]
     pub fn new(count: usize) -> Self {
         Self { limits: vec![LOWEST_LIMIT; count], digits: vec![[0; 2]; count] }
@@ -111,12 +112,11 @@ impl ExactSums {
         self.slice_mut(index, 1).add(0, value);
     }
 
-    /// Adds other sums one by one. Any tree of merges gives the sums that adding all values to one
-    /// gives.
+    /// Adds other sums one by one. Any tree of merges gives the same sums as adding all values to one.
     ///
     /// # Panics
     ///
-    /// If there are not as many.
+    /// If the numbers of sums differ.
     pub fn merge(&mut self, other: &Self) {
         assert_eq!(self.len(), other.len(), "sums of different films");
         for index in 0..self.len() {
@@ -137,7 +137,7 @@ impl ExactSums {
         units as f64 * power_of_two(self.limits[index] - (DIGIT_BITS - 1) - DIGIT_BITS)
     }
 
-    /// The sums from `start` on.
+    /// `count` sums from `start` on.
     pub(crate) fn slice_mut(&mut self, start: usize, count: usize) -> SumsMut<'_> {
         let range = start..start + count;
         SumsMut { limits: &mut self.limits[range.clone()], digits: &mut self.digits[range] }
@@ -161,12 +161,12 @@ impl ExactSums {
         *limit = common;
         let other = carry(other, common - other_limit);
         for (digit, other) in digits.iter_mut().zip(other) {
-            // Only sums of more than 2^32 values, or made-up ones from a file, could overflow.
+            // Only sums of more than 2^32 values, or forged ones from a file, can overflow.
             *digit = digit.saturating_add(other);
         }
     }
 
-    /// Whether a window read from a file is one of the grid.
+    /// Whether a limit belongs to a window of the grid.
     pub(crate) fn is_limit(limit: u16) -> bool {
         (LOWEST_LIMIT..=HIGHEST_LIMIT).contains(&limit)
             && (limit - LOWEST_LIMIT).is_multiple_of(DIGIT_BITS)
@@ -184,8 +184,8 @@ impl SumsMut<'_> {
         add(*limit, digits, value);
     }
 
-    /// As [`Self::add`] for four sums from `first` on, side by side in registers: the compiler leaves
-    /// them one by one.
+    /// As [`Self::add`] for four sums from `first` on, in SIMD registers: the compiler does not do this
+    /// by itself.
     #[inline(always)]
     pub(crate) fn add_four<S: Simd>(&mut self, simd: S, first: usize, values: [f64; 4]) {
         let limits = &mut self.limits[first..first + 4];
@@ -234,8 +234,8 @@ fn add(limit: u16, digits: &mut Digits, value: f64) {
     digits[1] += low;
 }
 
-/// Moves a sum to the least window that a value with this exponent field fits, if it is in a lower
-/// one. Rare: once for the first value, and then for those that are far greater than all before.
+/// Moves a sum to the least window that a value with this exponent field fits, unless it already fits.
+/// This is rare: it happens for the first value, and for values far greater than all before.
 #[cold]
 #[inline(never)]
 fn raise(limit: &mut u16, digits: &mut Digits, exponent: u16) {
@@ -248,7 +248,7 @@ fn raise(limit: &mut u16, digits: &mut Digits, exponent: u16) {
     *limit = raised;
 }
 
-/// The digits after the limit has been raised by so many binary places.
+/// The digits after raising the limit by so many powers of two.
 fn carry([high, low]: Digits, raised: u16) -> Digits {
     match raised / DIGIT_BITS {
         0 => [high, low],
@@ -257,7 +257,7 @@ fn carry([high, low]: Digits, raised: u16) -> Digits {
     }
 }
 
-/// The nearest integer to a number of magnitude below 2^51, as such and as a number.
+/// The nearest integer to a number of magnitude below 2^51, as an `i64` and as an `f64`.
 #[inline(always)]
 fn round(value: f64) -> (i64, f64) {
     let shifted = value + ROUNDER;
@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cancels_leaves_nothing() {
+    fn cancellation_is_exact() {
         assert_eq!(sum(&[0.1, 1e20, -0.1, -1e20, 3.0, -3.0]).value(0), 0.0);
         assert_eq!(sum(&[]).value(0), 0.0);
     }

@@ -15,24 +15,15 @@ const SAMPLES: u32 = 1 << 12;
 const PAIRS: u32 = 16;
 
 fn main() {
-    for kind in [
-        SamplerKind::Independent,
-        SamplerKind::Stratified,
-        SamplerKind::Multijitter,
-        SamplerKind::Orthogonal,
-        SamplerKind::LowDiscrepancy,
-        SamplerKind::Halton,
-        SamplerKind::Hammersley,
-        SamplerKind::Sobol,
-    ] {
+    for kind in SamplerKind::ALL {
         // Kept from the optimiser, as a renderer reads it from a scene.
         let spec = black_box(SamplerSpec::new(kind, 256, 0));
         report(&format!("{kind:?}, pair"), || {
             let mut sum = Vec2::ZERO;
             for index in 0..SAMPLES {
-                let mut stream = spec.start(UVec2::new(index >> 8, 0), index & 255);
+                let mut sampler = spec.start(UVec2::new(index >> 8, 0), index & 255);
                 for _ in 0..PAIRS {
-                    sum += stream.next_2d();
+                    sum += sampler.next_2d();
                 }
             }
             sum
@@ -51,9 +42,9 @@ fn tables() {
         report(name, || {
             let mut sum = Vec2::ZERO;
             for index in 0..SAMPLES {
-                let mut stream = spec.start(UVec2::new(index, 0), 0);
+                let mut sampler = spec.start(UVec2::new(index, 0), 0);
                 for _ in 0..PAIRS {
-                    sum += draw(stream.next_2d());
+                    sum += draw(sampler.next_2d());
                 }
             }
             sum

@@ -1,13 +1,14 @@
 //! Integer mixing, hashed permutations, and the conversion of bits to numbers in [0, 1).
 //!
-//! What streams draw in lanes is written over words of any number of lanes; a `u32` or `u64` is one.
+//! Functions that samplers use in lanes are generic over words of any number of lanes; a `u32` or `u64`
+//! is one lane.
 
 use etendue_math::lanes::{Word32, Word64};
 
 /// The greatest single-precision number below one.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// 2⁶⁴ divided by the golden ratio: successive multiples are spread evenly, whatever their number.
+/// 2⁶⁴ divided by the golden ratio: any number of successive multiples is spread evenly.
 pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The upper 24 of 32 random bits as a number in [0, 1): every value is exact and below one.
@@ -40,10 +41,10 @@ pub fn mix64<W: Word64>(value: W) -> W {
 /// The place of `index` in a permutation of 0..`length` picked by `seed`; any index is taken modulo
 /// `length`, and a length of zero gives zero.
 ///
-/// A bijection of the next power of two, walked until it lands inside: fewer than two rounds on
-/// average (the scheme of Kensler, *Correlated Multi-Jittered Sampling*, 2013). His own bijection
-/// reaches only a part of the permutations of four or eight elements; in this one every factor
-/// depends on the seed.
+/// A bijection of the next power of two, repeated until the result lies below `length`: fewer than two
+/// rounds on average (the scheme of Kensler, *Correlated Multi-Jittered Sampling*, 2013). His own
+/// bijection reaches only some of the permutations of four or eight elements; in this one every
+/// factor depends on the seed.
 #[inline]
 #[must_use]
 pub fn permute(index: u32, length: u32, seed: u32) -> u32 {
@@ -60,7 +61,7 @@ pub fn permute(index: u32, length: u32, seed: u32) -> u32 {
             break;
         }
     }
-    // A rotation last: each place is then equally likely over the seeds.
+    // A final rotation makes every place equally likely over the seeds.
     let rotation = ((u64::from(keys as u32) * u64::from(length)) >> 32) as u32;
     let rotated = u64::from(place) + u64::from(rotation);
     let excess = if rotated < u64::from(length) { 0 } else { u64::from(length) };
@@ -148,9 +149,8 @@ mod tests {
 
     #[test]
     fn permutations_send_pairs_everywhere() {
-        // Over many seeds, two neighbours reach every pair of distinct places in about equal shares.
-        // The hash is no perfect shuffle: a quarter more or less is let pass, a pair that is never
-        // reached is not.
+        // Over many seeds, two neighbours reach all pairs of distinct places about equally often. The
+        // hash is not a perfect shuffle: 25 % more or less passes, a pair that is never reached fails.
         const TRIALS: u32 = 400_000;
         for length in 3_u32..=16 {
             let mut counts = vec![0_u32; (length * length) as usize];
@@ -173,8 +173,8 @@ mod tests {
 
     #[test]
     fn scrambling_is_nested_and_fair() {
-        // Two numbers that agree in their low bits agree there after scrambling, and part at the
-        // first bit where they differ.
+        // Two numbers that agree in their low bits still do so after scrambling, and differ first at
+        // the same bit.
         let mut flipped = [0_u64; 2];
         for trial in 0..10_000 {
             let (value, seed) = (mix32(trial), mix32(trial ^ 0xabcd_0000));

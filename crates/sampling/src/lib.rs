@@ -1,7 +1,8 @@
 //! Counter-based random numbers, low-discrepancy sequences, warps, distributions and alias tables.
 //!
-//! * [`SamplerSpec`] and [`Sampler`]: the random numbers of one camera sample, a pure function
-//!   of seed, pixel, sample index and dimension.
+//! * [`Sampler`] draws the random numbers of one camera sample. They are a pure function of seed,
+//!   pixel, sample index and dimension. A [`SamplerSpec`] is the plan for all samples of a picture,
+//!   from which each sampler starts.
 //! * [`warp`]: maps from the unit square to disks, spheres, cones, triangles and so on, each with its
 //!   density and its inverse.
 //! * [`Distribution1D`], [`Distribution2D`], [`BilinearDistribution2D`], [`AliasTable`],
@@ -12,8 +13,8 @@
 //! use glam::UVec2;
 //!
 //! let spec = SamplerSpec::new(SamplerKind::Sobol, 64, 0);
-//! let mut stream = spec.start(UVec2::new(3, 5), 17);
-//! let direction = warp::cosine_hemisphere::sample(stream.next_2d());
+//! let mut sampler = spec.start(UVec2::new(3, 5), 17);
+//! let direction = warp::cosine_hemisphere::sample(sampler.next_2d());
 //! assert!(direction.z >= 0.0);
 //! ```
 #![forbid(unsafe_code)]

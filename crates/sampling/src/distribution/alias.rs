@@ -1,13 +1,13 @@
 //! The alias method: an index in constant time (Walker, 1977; Vose, 1991).
 
-use super::{WeightError, checked_sum};
+use super::weights::{WeightError, checked_sum};
 use crate::hash::ONE_MINUS_EPSILON;
 use glam::Vec2;
 
-/// A table that yields an index in proportion to its weight, whatever the number of weights.
+/// A table that samples an index in proportion to its weight, in constant time.
 ///
-/// Unlike a [`Distribution1D`](crate::Distribution1D) it does not keep the order of the numbers that
-/// it is fed: strata of the input are not strata of the indices.
+/// Unlike a [`Distribution1D`](crate::Distribution1D) it does not preserve order: strata of the uniform
+/// numbers are not strata of the indices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AliasTable {
     slots: Vec<Slot>,
@@ -16,21 +16,21 @@ pub struct AliasTable {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Slot {
-    /// The share of the slot that its own index keeps.
+    /// The share of the slot that belongs to its own index.
     threshold: f32,
-    /// The index that has the rest.
+    /// The index that the rest belongs to.
     alias: u32,
     probability: f32,
 }
 
-/// What an [`AliasTable`] yields.
+/// A sample of an [`AliasTable`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AliasSample {
     /// The index.
     pub index: usize,
     /// Its probability.
     pub pmf: f32,
-    /// What is left of the uniform numbers: uniform in [0, 1) again.
+    /// The rest of the uniform numbers: uniform in [0, 1) again.
     pub rest: f32,
 }
 
@@ -59,7 +59,7 @@ impl AliasTable {
         let indices = 0..weights.len() as u32;
         let (mut small, mut large): (Vec<u32>, Vec<u32>) =
             indices.partition(|&index| scaled[index as usize] < 1.0);
-        // Each poor slot is filled up by a rich one, which may become poor itself.
+        // A rich slot fills up each poor one, and may become poor itself.
         while let (Some(&poor), Some(&rich)) = (small.last(), large.last()) {
             small.pop();
             let own = scaled[poor as usize];
@@ -82,7 +82,7 @@ impl AliasTable {
         self.slots.len()
     }
 
-    /// Never: a table has at least one weight.
+    /// Always false: a table has at least one weight.
     #[inline]
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -105,15 +105,15 @@ impl AliasTable {
 
     /// An index from one uniform number.
     ///
-    /// The number's 24 bits are shared by slot, threshold and rest: exact enough for some thousands
-    /// of weights. For more, use [`sample_2d`](Self::sample_2d).
+    /// Slot, threshold and rest share the 24 bits of the number, which suffice for a few thousand
+    /// weights. For more, use [`sample_2d`](Self::sample_2d).
     #[inline]
     #[must_use]
     pub fn sample(&self, uniform: f32) -> AliasSample {
         self.pick((f64::from(uniform) * UNITS) as u64)
     }
 
-    /// An index from two uniform numbers, whose bits are joined: exact for any number of weights.
+    /// An index from the joined bits of two uniform numbers, which suffice for any number of weights.
     #[inline]
     #[must_use]
     pub fn sample_2d(&self, uniform: Vec2) -> AliasSample {
@@ -143,8 +143,8 @@ impl AliasTable {
 const HALF_UNITS: f32 = 16_777_216.0;
 const UNITS: f64 = 281_474_976_710_656.0;
 
-/// Rounding may run out of rich slots before poor ones: those left over are full to the last digit,
-/// unless they have no weight at all.
+/// Rounding may exhaust the rich slots before the poor ones. A poor slot that is left over keeps all of
+/// its share, unless its weight is zero.
 fn keep_empty_slots_empty(slots: &mut [Slot], left_over: &[u32], weights: &[f32]) {
     let heaviest = (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
     for &index in left_over {
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn many_weights_are_exact_with_two_numbers() {
-        // Slots narrower than the spacing of one number: pairs of slots are told apart all the same.
+        // The slots are narrower than the spacing of one number; two numbers still tell them apart.
         let weights: Vec<f32> = (0..3_000_001).map(|index| 1.0 + (index % 3) as f32).collect();
         let table = AliasTable::new(&weights).unwrap();
         let mut random = TestRng::new(3);
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_is_uniform() {
+    fn the_rest_is_uniform() {
         let table = AliasTable::new(&[1.0, 3.0, 0.0, 2.5, 0.1]).unwrap();
         let one = |random: &mut TestRng| Some(table.sample(random.next_f32()).rest);
         ChiSquare::one_of(2).line((0.0, 1.0), one, |_| 1.0).assert();

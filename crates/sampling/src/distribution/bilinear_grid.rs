@@ -1,6 +1,7 @@
 //! A density over the unit square that interpolates a grid bilinearly, as a texture lookup does.
 
-use super::{WeightError, check_grid, find_cell};
+use super::cdf::find_cell;
+use super::weights::{WeightError, check_grid};
 use crate::hash::ONE_MINUS_EPSILON;
 use crate::warp::linear;
 use glam::Vec2;
@@ -26,7 +27,7 @@ pub struct BilinearDistribution2D {
     integral: f64,
 }
 
-/// A height in [0, 1] as a place between two rows.
+/// A height in [0, 1] as a position between two rows.
 struct Height {
     below: usize,
     above: usize,
@@ -113,7 +114,7 @@ impl BilinearDistribution2D {
         left + x_share * (right - left)
     }
 
-    /// The uniform numbers behind a point of [0, 1)²; points outside count as on the rim.
+    /// The uniform numbers that [`Self::sample`] maps to a point, which is clamped to [0, 1)².
     #[inline]
     #[must_use]
     pub fn invert(&self, point: Vec2) -> Vec2 {
@@ -137,7 +138,7 @@ impl BilinearDistribution2D {
         let stride = self.width + 1;
         let below = self.conditional[height.below * stride + edge];
         let above = self.conditional[height.above * stride + edge];
-        // Of this form, and not below + share · (above − below), as it keeps the order of the edges.
+        // Unlike below + share · (above − below), this form preserves the order of the edges.
         (1.0 - height.share) * below + height.share * above
     }
 
@@ -146,7 +147,7 @@ impl BilinearDistribution2D {
         (self.row_integral(height, column), self.row_integral(height, column + 1))
     }
 
-    /// The piece between two centres that holds the share `uniform` of the line.
+    /// The piece between two centres that contains the share `uniform` of the line.
     #[inline]
     fn find_column(&self, height: &Height, uniform: f32) -> usize {
         let target = uniform * self.row_integral(height, self.width);
@@ -174,7 +175,7 @@ impl BilinearDistribution2D {
         (at(column), at(next))
     }
 
-    /// The piece between two centres that holds `x` in [0, 1), and the share of it.
+    /// The piece between two centres that contains `x` in [0, 1), and the position within it.
     #[inline]
     fn locate_column(&self, x: f32) -> (usize, f32) {
         let place = x * self.width as f32 - 0.5;
@@ -183,7 +184,7 @@ impl BilinearDistribution2D {
         (column, (place - column as f32).clamp(0.0, 1.0))
     }
 
-    /// The segment of the marginal that holds `y` in [0, 1), and the place in it.
+    /// The segment of the marginal that contains `y` in [0, 1), and the position within it.
     #[inline]
     fn locate_row(&self, y: f32) -> (usize, Height) {
         let place = y * self.height as f32 + 0.5;
@@ -228,7 +229,7 @@ fn marginal_cdf(row_density: &[f32]) -> Vec<f32> {
     let mut cdf = vec![0.0];
     for (segment, piece) in pieces.iter().enumerate() {
         running += piece;
-        // Rounding of the sum must not open a gap before one.
+        // Rounding must not leave a gap before one.
         cdf.push(if segment >= end { 1.0 } else { (running / sum).min(1.0) as f32 });
     }
     cdf

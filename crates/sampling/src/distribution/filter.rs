@@ -1,6 +1,7 @@
-//! Reconstruction filters to sample from, negative lobes included.
+//! Reconstruction filters to sample from, also those with negative lobes.
 
-use super::{Distribution1D, WeightError};
+use super::piecewise::Distribution1D;
+use super::weights::WeightError;
 use glam::Vec2;
 
 /// Cells of the table: steps of 1/128 pixel for a radius of four.
@@ -21,14 +22,14 @@ pub struct TabulatedFilter {
 /// An offset along one axis, drawn from a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
-    /// The offset from the filter's centre, in the radius' units.
+    /// The offset from the filter's centre, in the units of the radius.
     pub offset: f32,
     /// The filter over the density, normalised so that its expectation is one.
     pub weight: f32,
 }
 
 impl TabulatedFilter {
-    /// The table of `filter` on [−`radius`, `radius`]; any scale will do.
+    /// The table of `filter` on [−`radius`, `radius`]; the scale of its values does not matter.
     ///
     /// # Errors
     /// [`WeightError::Invalid`] where the filter or the radius is not finite (index of the cell),
@@ -47,7 +48,7 @@ impl TabulatedFilter {
             .collect();
         let magnitudes = Distribution1D::new(&values.iter().map(|v| v.abs()).collect::<Vec<_>>())?;
         let negative: Vec<bool> = values.iter().map(|&value| value < 0.0).collect();
-        // By the table's own probabilities, so that the expectation is one to the last digit.
+        // From the table's own probabilities, so that the expectation is exactly one.
         let signed: f64 = (0..CELL_COUNT)
             .map(|cell| f64::from(magnitudes.pmf(cell)) * if negative[cell] { -1.0 } else { 1.0 })
             .sum();
@@ -64,8 +65,7 @@ impl TabulatedFilter {
         self.radius
     }
 
-    /// An offset and its weight, from one uniform number. Neighbouring numbers give neighbouring
-    /// offsets, so that strata are kept.
+    /// An offset and its weight, from one uniform number. The map is monotonic, so it preserves strata.
     #[inline]
     #[must_use]
     pub fn sample(&self, uniform: f32) -> FilterSample {

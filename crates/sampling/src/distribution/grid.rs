@@ -1,15 +1,15 @@
 //! A piecewise constant density over the cells of a grid.
 
-use super::piecewise::{cell_of, position_in_cell};
-use super::{WeightError, check_grid, fill_cdf, find_cell};
+use super::cdf::{cell_of, fill_cdf, find_cell, position_in_cell};
+use super::weights::{WeightError, check_grid};
 use crate::hash::ONE_MINUS_EPSILON;
 use glam::Vec2;
 
 /// A piecewise constant density over [0, 1)², from a grid of weights: rows after the marginal, then
 /// columns within the row. Four bytes per cell.
 ///
-/// The density is that of the single-precision tables, exactly what is sampled; a cell below some
-/// 10⁻⁷ of its row may have none.
+/// The density is exactly that of the single-precision tables that are sampled. A cell below about 10⁻⁷
+/// of its row may have zero density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution2D {
     width: usize,
@@ -79,7 +79,7 @@ impl Distribution2D {
         }
     }
 
-    /// The uniform numbers behind a point of [0, 1)²; points outside count as on the rim.
+    /// The uniform numbers that [`Self::sample`] maps to a point, which is clamped to [0, 1)².
     #[inline]
     #[must_use]
     pub fn invert(&self, point: Vec2) -> Vec2 {
@@ -103,7 +103,7 @@ impl Distribution2D {
     }
 }
 
-/// The cell that holds a uniform number, and the number's share of it.
+/// The cell that contains a uniform number, and the number's position within it.
 #[inline]
 fn split(cdf: &[f32], uniform: f32) -> (usize, f32) {
     let cell = find_cell(cdf, uniform);
@@ -111,7 +111,7 @@ fn split(cdf: &[f32], uniform: f32) -> (usize, f32) {
     (cell, share.clamp(0.0, ONE_MINUS_EPSILON))
 }
 
-/// The uniform number behind a position in [0, 1).
+/// The uniform number of a position in [0, 1): the inverse of [`split`].
 #[inline]
 fn join(cdf: &[f32], position: f32) -> f32 {
     let count = cdf.len() - 1;

@@ -1,13 +1,14 @@
 //! A table of weights in one dimension: discrete indices, or a piecewise constant density.
 
-use super::{WeightError, checked_sum, fill_cdf, find_cell};
+use super::cdf::{cell_of, fill_cdf, find_cell, position_in_cell};
+use super::weights::{WeightError, checked_sum};
 use crate::hash::ONE_MINUS_EPSILON;
 
 /// Weights to sample an index from, or a position in [0, 1) with piecewise constant density.
 ///
-/// Probabilities are differences of single-precision cumulative shares: `pmf` and `pdf` are what
-/// `sample` really does. A weight below some 10⁻⁷ of the sum may therefore have no probability; for
-/// many weights of very different sizes use an [`AliasTable`](crate::AliasTable).
+/// Probabilities are differences of single-precision cumulative shares, so `pmf` and `pdf` are exactly
+/// those of `sample`. A weight below about 10⁻⁷ of the sum may have no probability; for many weights of
+/// very different sizes use an [`AliasTable`](crate::AliasTable).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution1D {
     cdf: Vec<f32>,
@@ -18,7 +19,7 @@ impl Distribution1D {
     /// A table of `weights`, summed in double precision.
     ///
     /// # Errors
-    /// [`WeightError`], also where all weights are zero: what that means is the caller's choice.
+    /// [`WeightError`], also where all weights are zero.
     pub fn new(weights: &[f32]) -> Result<Self, WeightError> {
         if checked_sum(weights)? <= 0.0 {
             return Err(WeightError::ZeroSum);
@@ -35,7 +36,7 @@ impl Distribution1D {
         self.cdf.len() - 1
     }
 
-    /// Never: a table has at least one weight.
+    /// Always false: a table has at least one weight.
     #[inline]
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -73,8 +74,8 @@ impl Distribution1D {
         find_cell(&self.cdf, uniform)
     }
 
-    /// An index, and what is left of the uniform number: uniform in [0, 1) again, with fewer digits
-    /// the less probable the index is.
+    /// An index, and the rest of the uniform number: uniform in [0, 1) again, but with fewer digits the
+    /// less probable the index is.
     #[inline]
     #[must_use]
     pub fn sample_reuse(&self, uniform: f32) -> (usize, f32) {
@@ -102,7 +103,7 @@ impl Distribution1D {
         }
     }
 
-    /// The uniform number behind a position in [0, 1); positions outside count as the ends.
+    /// The uniform number that [`Self::sample_position`] maps to a position, which is clamped to [0, 1).
     #[inline]
     #[must_use]
     pub fn invert(&self, position: f32) -> f32 {
@@ -112,25 +113,6 @@ impl Distribution1D {
         let (start, end) = (self.cdf[index], self.cdf[index + 1]);
         (start + rest * (end - start)).clamp(0.0, ONE_MINUS_EPSILON)
     }
-}
-
-/// The position at share `rest` of cell `index` out of `count`, kept inside that cell.
-#[inline]
-pub(super) fn position_in_cell(index: usize, rest: f32, count: usize) -> f32 {
-    let position = ((index as f64 + f64::from(rest)) / count as f64) as f32;
-    // Rounding up at the end of a cell would give the sample its neighbour's density.
-    match cell_of(position, count) {
-        Some(cell) if cell == index => position,
-        Some(cell) if cell < index => position.next_up(),
-        _ => position.next_down(),
-    }
-}
-
-/// The cell out of `count` that holds `position`, if it lies in [0, 1).
-#[inline]
-pub(super) fn cell_of(position: f32, count: usize) -> Option<usize> {
-    let inside = (0.0..1.0).contains(&position);
-    inside.then(|| ((f64::from(position) * count as f64) as usize).min(count - 1))
 }
 
 #[cfg(test)]

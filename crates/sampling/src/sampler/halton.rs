@@ -3,7 +3,7 @@
 //! Each digit goes through a permutation hashed from the digits before it (nested uniform scrambling
 //! in the base). After the bases run out, they serve again with the index shuffled.
 
-use super::Sampler;
+use super::state::Sampler;
 use crate::hash::{
     GOLDEN, ONE_MINUS_EPSILON, mix32, mix64, permute, scramble_reversed, unit_float,
 };
@@ -35,29 +35,29 @@ const fn first_primes() -> [u32; BASE_COUNT as usize] {
 }
 
 #[inline]
-pub(super) fn next_1d(stream: &Sampler) -> f32 {
-    coordinate(stream, stream.dimension)
+pub(super) fn next_1d(sampler: &Sampler) -> f32 {
+    coordinate(sampler, sampler.dimension)
 }
 
 #[inline]
-pub(super) fn next_2d(stream: &Sampler) -> Vec2 {
+pub(super) fn next_2d(sampler: &Sampler) -> Vec2 {
     Vec2::new(
-        coordinate(stream, stream.dimension),
-        coordinate(stream, stream.dimension.wrapping_add(1)),
+        coordinate(sampler, sampler.dimension),
+        coordinate(sampler, sampler.dimension.wrapping_add(1)),
     )
 }
 
 #[inline]
-fn coordinate(stream: &Sampler, dimension: u32) -> f32 {
+fn coordinate(sampler: &Sampler, dimension: u32) -> f32 {
     let group = dimension / BASE_COUNT;
     let index = if group == 0 {
-        stream.index
+        sampler.index
     } else {
-        let seed = mix64(stream.set_seed ^ u64::from(group).wrapping_mul(GOLDEN)) as u32;
-        scramble_reversed(stream.index.reverse_bits(), seed).reverse_bits()
+        let seed = mix64(sampler.set_seed ^ u64::from(group).wrapping_mul(GOLDEN)) as u32;
+        scramble_reversed(sampler.index.reverse_bits(), seed).reverse_bits()
     };
     let key = u64::from(dimension).wrapping_add(1).wrapping_mul(GOLDEN);
-    let seed = mix64(stream.set_seed.wrapping_add(key)) as u32;
+    let seed = mix64(sampler.set_seed.wrapping_add(key)) as u32;
     match dimension % BASE_COUNT {
         0 => unit_float(scramble_reversed(index, seed).reverse_bits()),
         place => scrambled_radical_inverse(index, BASES[place as usize], seed),

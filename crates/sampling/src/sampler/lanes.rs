@@ -1,6 +1,8 @@
 //! The random numbers of several paths at once, each with the bits of [`Sampler`]'s methods.
 
-use super::{Sampler, SamplerKind, bits_of_dimension, is_independent, point_of_bits, sobol};
+use super::kind::SamplerKind;
+use super::sobol;
+use super::state::{Sampler, bits_of_dimension, is_independent, point_of_bits};
 use etendue_math::lanes::{
     LaneArray, Lanes, MAX_LANES, Simd, Vector2, WordArray32, WordArray64, WordLanes32, WordLanes64,
 };
@@ -20,7 +22,7 @@ pub struct RandomBatch {
 /// How many dimensions a vertex takes.
 const VERTEX_DIMENSIONS: u32 = 6;
 
-/// What the numbers of several streams depend on.
+/// The parts of several samplers that differ from one to the next.
 #[derive(Default)]
 struct Seeds {
     indices: WordArray32,
@@ -28,35 +30,35 @@ struct Seeds {
     samples: WordArray64,
 }
 
-/// What several streams have in common.
+/// The parts of several samplers that must be equal to draw in lanes.
 #[derive(Clone, Copy)]
 struct Place {
     kind: SamplerKind,
     dimension: u32,
 }
 
-/// Draws the numbers of a vertex for the paths that `chosen` names, each at most once, the first of
-/// them in the first lane; those beyond [`MAX_LANES`] are left out. `stream` finds a path's stream.
+/// Draws the numbers of a vertex for the paths with the indices `chosen`, each at most once, the first
+/// in the first lane. Paths beyond [`MAX_LANES`] are left out. `sampler_of` finds a path's sampler.
 ///
-/// A stream gives what `next_2d`, `next_2d` and `next_independent_2d` would give one after the other,
-/// and stands where they would leave it. Lanes without a path hold any number below one.
+/// Every sampler draws as by `next_2d`, `next_2d` and `next_independent_2d` in this order, and is left
+/// at the same dimension. Lanes without a path hold any number below one.
 #[inline(always)]
 pub fn draw_vertices<S: Simd, P>(
     simd: S,
     paths: &mut [P],
     chosen: impl Iterator<Item = usize> + Clone,
-    stream: impl Fn(&mut P) -> &mut Sampler,
+    sampler_of: impl Fn(&mut P) -> &mut Sampler,
     numbers: &mut RandomBatch,
 ) {
     let Some(path) = chosen.clone().next() else { return };
-    let place = Place::of(stream(&mut paths[path]));
+    let place = Place::of(sampler_of(&mut paths[path]));
     let mut seeds = Seeds::default();
     let (mut count, mut difference) = (0, 0);
     for (lane, path) in chosen.clone().take(MAX_LANES).enumerate() {
-        let stream = stream(&mut paths[path]);
-        difference |= place.difference(Place::of(stream));
-        seeds.set(lane, stream);
-        stream.dimension = stream.dimension.wrapping_add(VERTEX_DIMENSIONS);
+        let sampler = sampler_of(&mut paths[path]);
+        difference |= place.difference(Place::of(sampler));
+        seeds.set(lane, sampler);
+        sampler.dimension = sampler.dimension.wrapping_add(VERTEX_DIMENSIONS);
         count = lane + 1;
     }
     if difference == 0 && place.has_lanes() && place.after(2).has_lanes() {
@@ -66,27 +68,28 @@ pub fn draw_vertices<S: Simd, P>(
         return;
     }
     for (lane, path) in chosen.take(MAX_LANES).enumerate() {
-        let stream = stream(&mut paths[path]);
-        stream.dimension = stream.dimension.wrapping_sub(VERTEX_DIMENSIONS);
-        draw_alone(stream, numbers, lane);
+        let sampler = sampler_of(&mut paths[path]);
+        sampler.dimension = sampler.dimension.wrapping_sub(VERTEX_DIMENSIONS);
+        draw_alone(sampler, numbers, lane);
     }
 }
 
-/// Draws `next_2d` of each stream, in order, and appends the points. The streams stand at the same
-/// dimension.
+/// Draws `next_2d` of each sampler, in order, and appends the points. It is fastest where all samplers
+/// are at the same dimension.
 #[inline(always)]
-pub fn draw_points<S: Simd>(simd: S, streams: &mut [Sampler], points: &mut Vec<Vec2>) {
-    for chunk in streams.chunks_mut(MAX_LANES) {
+pub fn draw_points<S: Simd>(simd: S, samplers: &mut [Sampler], points: &mut Vec<Vec2>) {
+    for chunk in samplers.chunks_mut(MAX_LANES) {
         let place = Place::of(&chunk[0]);
-        if !place.has_lanes() || chunk.iter().any(|stream| place.difference(Place::of(stream)) != 0)
+        if !place.has_lanes()
+            || chunk.iter().any(|sampler| place.difference(Place::of(sampler)) != 0)
         {
             points.extend(chunk.iter_mut().map(Sampler::next_2d));
             continue;
         }
         let mut seeds = Seeds::default();
-        for (lane, stream) in chunk.iter_mut().enumerate() {
-            seeds.set(lane, stream);
-            stream.dimension = place.after(2).dimension;
+        for (lane, sampler) in chunk.iter_mut().enumerate() {
+            seeds.set(lane, sampler);
+            sampler.dimension = place.after(2).dimension;
         }
         let mut drawn = [LaneArray::ZERO; 2];
         for first in (0..chunk.len()).step_by(Lanes::<S>::COUNT) {
@@ -99,17 +102,17 @@ pub fn draw_points<S: Simd>(simd: S, streams: &mut [Sampler], points: &mut Vec<V
 
 impl Place {
     #[inline(always)]
-    fn of(stream: &Sampler) -> Self {
-        Self { kind: stream.kind, dimension: stream.dimension }
+    fn of(sampler: &Sampler) -> Self {
+        Self { kind: sampler.kind, dimension: sampler.dimension }
     }
 
-    /// Zero where the two are the same: without a branch, as this is asked of every path.
+    /// Zero if the two are the same. It has no branch, as it runs for every path.
     #[inline(always)]
     fn difference(self, other: Self) -> u32 {
         (self.kind as u32 ^ other.kind as u32) | (self.dimension ^ other.dimension)
     }
 
-    /// So many dimensions on.
+    /// The place so many dimensions later.
     #[inline(always)]
     fn after(self, dimensions: u32) -> Self {
         Self { dimension: self.dimension.wrapping_add(dimensions), ..self }
@@ -124,10 +127,10 @@ impl Place {
 
 impl Seeds {
     #[inline(always)]
-    fn set(&mut self, lane: usize, stream: &Sampler) {
-        self.indices.0[lane] = stream.index;
-        self.sets.0[lane] = stream.set_seed;
-        self.samples.0[lane] = stream.sample_seed;
+    fn set(&mut self, lane: usize, sampler: &Sampler) {
+        self.indices.0[lane] = sampler.index;
+        self.sets.0[lane] = sampler.set_seed;
+        self.samples.0[lane] = sampler.sample_seed;
     }
 
     #[inline(always)]
@@ -172,42 +175,41 @@ impl<S: Simd> SeedLanes<S> {
 
 /// Draws the numbers of one path.
 #[cold]
-fn draw_alone(stream: &mut Sampler, numbers: &mut RandomBatch, lane: usize) {
-    Vector2::from(stream.next_2d()).put(&mut numbers.light, lane);
-    Vector2::from(stream.next_2d()).put(&mut numbers.direction, lane);
-    Vector2::from(stream.next_independent_2d()).put(&mut numbers.choices, lane);
+fn draw_alone(sampler: &mut Sampler, numbers: &mut RandomBatch, lane: usize) {
+    Vector2::from(sampler.next_2d()).put(&mut numbers.light, lane);
+    Vector2::from(sampler.next_2d()).put(&mut numbers.direction, lane);
+    Vector2::from(sampler.next_independent_2d()).put(&mut numbers.choices, lane);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SamplerSpec;
-    use crate::sampler::tests::KINDS;
+    use crate::sampler::spec::SamplerSpec;
     use etendue_math::lanes::{Level, baseline};
     use etendue_math::with_lanes;
     use glam::UVec2;
 
-    /// Streams that stand at `dimension`, but for some that `others` moves on.
-    fn streams(kind: SamplerKind, dimension: u32, others: u32) -> Vec<Sampler> {
+    /// Samplers at `dimension`; every fifth is `others` dimensions further.
+    fn samplers(kind: SamplerKind, dimension: u32, others: u32) -> Vec<Sampler> {
         let spec = SamplerSpec::new(kind, 9, 3);
         (0..40_u32)
             .map(|number| {
-                let mut stream = spec.start(UVec2::new(number % 7, number), number * number);
+                let mut sampler = spec.start(UVec2::new(number % 7, number), number * number);
                 let moved = if number.is_multiple_of(5) { others } else { 0 };
-                stream.set_dimension(dimension.wrapping_add(moved));
-                stream
+                sampler.set_dimension(dimension.wrapping_add(moved));
+                sampler
             })
             .collect()
     }
 
-    /// Draws in lanes and one by one, and compares numbers and the places of all streams afterwards.
+    /// Draws in lanes and one by one, and compares the numbers and the samplers afterwards.
     fn compare(start: &[Sampler], chosen: &[usize]) {
         for level in [baseline(), Level::new()] {
             let (mut together, mut alone) = (start.to_vec(), start.to_vec());
-            let mut block = RandomBatch::default();
+            let mut batch = RandomBatch::default();
             with_lanes!(level, simd => {
                 let chosen = chosen.iter().copied();
-                draw_vertices(simd, &mut together, chosen, |stream| stream, &mut block);
+                draw_vertices(simd, &mut together, chosen, |sampler| sampler, &mut batch);
             });
             let mut expected = RandomBatch::default();
             for (lane, &path) in chosen.iter().take(MAX_LANES).enumerate() {
@@ -215,20 +217,20 @@ mod tests {
             }
             assert_eq!(together, alone, "{level:?}");
             let lanes = chosen.len().min(MAX_LANES);
-            let columns = |block: &RandomBatch| {
-                [block.light, block.direction, block.choices]
+            let columns = |batch: &RandomBatch| {
+                [batch.light, batch.direction, batch.choices]
                     .map(|point| point.map(|column| column.0[..lanes].to_vec()))
             };
-            assert_eq!(columns(&block), columns(&expected), "{level:?}");
+            assert_eq!(columns(&batch), columns(&expected), "{level:?}");
         }
     }
 
     #[test]
-    fn lanes_draw_what_single_streams_draw() {
-        for kind in KINDS {
+    fn lanes_draw_what_single_samplers_draw() {
+        for kind in SamplerKind::ALL {
             for dimension in [0, 3, 4, 12, 13, 14, 15, 16, 100, u32::MAX - 3, u32::MAX - 1] {
                 for others in [0, 6] {
-                    let start = streams(kind, dimension, others);
+                    let start = samplers(kind, dimension, others);
                     compare(&start, &[]);
                     compare(&start, &[7]);
                     compare(&start, &[39, 2, 17, 5, 0, 8, 9]);
@@ -240,10 +242,10 @@ mod tests {
     }
 
     #[test]
-    fn points_are_those_of_single_streams() {
-        for kind in KINDS {
+    fn points_are_those_of_single_samplers() {
+        for kind in SamplerKind::ALL {
             for (dimension, others) in [(0, 0), (3, 0), (15, 0), (16, 0), (4, 6)] {
-                let start = streams(kind, dimension, others);
+                let start = samplers(kind, dimension, others);
                 for level in [baseline(), Level::new()] {
                     let (mut together, mut alone) = (start.clone(), start.clone());
                     let mut points = Vec::new();
@@ -257,8 +259,8 @@ mod tests {
 
     #[test]
     fn lanes_tell_kinds_apart() {
-        let mut mixed = streams(SamplerKind::Sobol, 4, 0);
-        mixed[3] = streams(SamplerKind::Halton, 4, 0)[3];
+        let mut mixed = samplers(SamplerKind::Sobol, 4, 0);
+        mixed[3] = samplers(SamplerKind::Halton, 4, 0)[3];
         compare(&mixed, &(0..MAX_LANES).collect::<Vec<_>>());
     }
 }

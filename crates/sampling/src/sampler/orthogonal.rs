@@ -1,7 +1,7 @@
 //! Orthogonal array sampling (Jarosz, Enayet, Kensler, Kilpatrick and Christensen, *Orthogonal Array
 //! Sampling for Monte Carlo Rendering*, 2019) with Bose's arrays of strength two.
 
-use super::{Sampler, in_stratum};
+use super::state::{Sampler, in_stratum};
 use crate::hash::{GOLDEN, mix32, mix64, permute, unit_float};
 use glam::Vec2;
 
@@ -23,22 +23,22 @@ fn is_prime(number: u32) -> bool {
 }
 
 #[inline]
-pub(super) fn next_1d(stream: &Sampler) -> f32 {
-    let columns = column_count(stream.sets.columns);
-    let array = Array::new(stream, stream.dimension / columns);
-    array.value(stream.dimension % columns, unit_float((stream.jitter() >> 32) as u32))
+pub(super) fn next_1d(sampler: &Sampler) -> f32 {
+    let columns = column_count(sampler.sets.columns);
+    let array = Array::new(sampler, sampler.dimension / columns);
+    array.value(sampler.dimension % columns, unit_float((sampler.jitter() >> 32) as u32))
 }
 
 #[inline]
-pub(super) fn next_2d(stream: &mut Sampler) -> Vec2 {
-    let columns = column_count(stream.sets.columns);
+pub(super) fn next_2d(sampler: &mut Sampler) -> Vec2 {
+    let columns = column_count(sampler.sets.columns);
     // A pair has to lie in one array.
-    if stream.dimension % columns == columns - 1 {
-        stream.dimension = stream.dimension.wrapping_add(1);
+    if sampler.dimension % columns == columns - 1 {
+        sampler.dimension = sampler.dimension.wrapping_add(1);
     }
-    let array = Array::new(stream, stream.dimension / columns);
-    let column = stream.dimension % columns;
-    let jitter = stream.jitter();
+    let array = Array::new(sampler, sampler.dimension / columns);
+    let column = sampler.dimension % columns;
+    let jitter = sampler.jitter();
     Vec2::new(
         array.value(column, unit_float((jitter >> 32) as u32)),
         array.value(column + 1, unit_float(jitter as u32)),
@@ -61,10 +61,10 @@ struct Array {
 
 impl Array {
     #[inline]
-    fn new(stream: &Sampler, group: u32) -> Self {
-        let prime = stream.sets.columns;
-        let seed = mix64(stream.set_seed ^ u64::from(group).wrapping_mul(GOLDEN));
-        let run = permute(stream.index, stream.sets.count, seed as u32);
+    fn new(sampler: &Sampler, group: u32) -> Self {
+        let prime = sampler.sets.columns;
+        let seed = mix64(sampler.set_seed ^ u64::from(group).wrapping_mul(GOLDEN));
+        let run = permute(sampler.index, sampler.sets.count, seed as u32);
         Self { prime, digits: (run / prime, run % prime), seed }
     }
 

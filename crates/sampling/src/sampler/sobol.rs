@@ -5,21 +5,21 @@
 //! 2ᵐ samples a (0, m, 2)-net and makes the pairs of dimensions independent of each other. All work
 //! is done on reversed bits, so that each coordinate is reversed once.
 
-use super::{Sampler, next_seed};
+use super::state::{Sampler, next_seed};
 use crate::hash::{scramble_reversed, unit_float};
 use etendue_math::lanes::{Vector2, Word32, Word64};
 use glam::Vec2;
 
 #[inline]
-pub(super) fn next_1d(stream: &Sampler) -> f32 {
-    let (shuffle, scramble) = stream.set_seeds();
-    let index = scramble_reversed(stream.index, shuffle).reverse_bits();
+pub(super) fn next_1d(sampler: &Sampler) -> f32 {
+    let (shuffle, scramble) = sampler.set_seeds();
+    let index = scramble_reversed(sampler.index, shuffle).reverse_bits();
     unit_float(scramble_reversed(index, scramble).reverse_bits())
 }
 
 #[inline]
-pub(super) fn next_2d(stream: &Sampler) -> Vec2 {
-    point(stream.index, stream.set_bits()).into()
+pub(super) fn next_2d(sampler: &Sampler) -> Vec2 {
+    point(sampler.index, sampler.set_bits()).into()
 }
 
 /// The point of a sample, given its index with the bits reversed and the seeds of its set.

@@ -1,18 +1,9 @@
-//! What every kind of sampler promises, and what each promises beyond.
+//! The properties of all kinds of samplers, and those of each.
 
-use super::*;
+use super::kind::{SampleSets, SamplerKind};
+use super::spec::SamplerSpec;
 use etendue_testkit::{Accumulator, chi2_discrete, t_test, welch};
-
-pub(super) const KINDS: [SamplerKind; 8] = [
-    SamplerKind::Independent,
-    SamplerKind::Stratified,
-    SamplerKind::Multijitter,
-    SamplerKind::Orthogonal,
-    SamplerKind::LowDiscrepancy,
-    SamplerKind::Halton,
-    SamplerKind::Hammersley,
-    SamplerKind::Sobol,
-];
+use glam::{UVec2, Vec2};
 
 fn pixel(index: u32) -> UVec2 {
     UVec2::new(index % 97, index / 97)
@@ -22,23 +13,23 @@ fn pixel(index: u32) -> UVec2 {
 fn points(spec: &SamplerSpec, pixel: UVec2, dimension: u32, count: u32) -> Vec<Vec2> {
     (0..count)
         .map(|index| {
-            let mut stream = spec.start(pixel, index);
-            stream.set_dimension(dimension);
-            stream.next_2d()
+            let mut sampler = spec.start(pixel, index);
+            sampler.set_dimension(dimension);
+            sampler.next_2d()
         })
         .collect()
 }
 
 #[test]
 fn numbers_are_a_function_of_their_place() {
-    for kind in KINDS {
+    for kind in SamplerKind::ALL {
         let spec = SamplerSpec::new(kind, 16, 7);
-        let mut stream = spec.start(pixel(5), 3);
-        let first: Vec<f32> = (0..20).map(|_| stream.next_1d()).collect();
-        assert_eq!(stream.dimension(), 20);
+        let mut sampler = spec.start(pixel(5), 3);
+        let first: Vec<f32> = (0..20).map(|_| sampler.next_1d()).collect();
+        assert_eq!(sampler.dimension(), 20);
         for (dimension, &value) in first.iter().enumerate().rev() {
-            stream.set_dimension(dimension as u32);
-            assert_eq!(stream.next_1d(), value, "{kind:?}");
+            sampler.set_dimension(dimension as u32);
+            assert_eq!(sampler.next_1d(), value, "{kind:?}");
         }
         let others = [
             spec.start(pixel(6), 3),
@@ -54,16 +45,16 @@ fn numbers_are_a_function_of_their_place() {
 
 #[test]
 fn numbers_lie_below_one_everywhere() {
-    for kind in KINDS {
+    for kind in SamplerKind::ALL {
         for planned in [0, 1, 2, 3, 5, 64, 1000, u32::MAX] {
             let spec = SamplerSpec::new(kind, planned, u64::MAX);
             assert!(spec.rounded_sample_count() >= planned.min(1 << 30));
             for index in [0, 1, 63, 1 << 20, 1 << 31, u32::MAX] {
-                let mut stream = spec.start(UVec2::MAX, index);
+                let mut sampler = spec.start(UVec2::MAX, index);
                 for dimension in [0, 3, 1000, u32::MAX - 1, u32::MAX] {
-                    stream.set_dimension(dimension);
-                    let pair = stream.next_2d();
-                    let values = [pair.x, pair.y, stream.next_1d()];
+                    sampler.set_dimension(dimension);
+                    let pair = sampler.next_2d();
+                    let values = [pair.x, pair.y, sampler.next_1d()];
                     assert!(values.iter().all(|value| (0.0..1.0).contains(value)), "{kind:?}");
                 }
             }
@@ -75,18 +66,18 @@ fn numbers_lie_below_one_everywhere() {
 fn each_sample_is_uniform_over_pixels() {
     // One sample per pixel: over the pixels, each dimension and pair of dimensions is uniform,
     // within the plan and beyond it. This is what keeps an estimate unbiased.
-    for kind in KINDS {
+    for kind in SamplerKind::ALL {
         for planned in [1, 9, 64] {
             let spec = SamplerSpec::new(kind, planned, 1);
             for (index, dimension) in [(0, 0), (7, 3), (3 * planned + 1, 70), (1 << 30, 1)] {
                 let mut cells = [0_u64; 64];
                 let mut line = [0_u64; 50];
                 for place in 0..20_000 {
-                    let mut stream = spec.start(pixel(place), index);
-                    stream.set_dimension(dimension);
-                    let cell = (stream.next_2d() * 8.0).as_uvec2();
+                    let mut sampler = spec.start(pixel(place), index);
+                    sampler.set_dimension(dimension);
+                    let cell = (sampler.next_2d() * 8.0).as_uvec2();
                     cells[(cell.x * 8 + cell.y) as usize] += 1;
-                    line[(stream.next_1d() * 50.0) as usize] += 1;
+                    line[(sampler.next_1d() * 50.0) as usize] += 1;
                 }
                 for outcome in [chi2_discrete(&cells, &[1.0; 64]), chi2_discrete(&line, &[1.0; 50])]
                 {
@@ -98,7 +89,7 @@ fn each_sample_is_uniform_over_pixels() {
     }
 }
 
-/// The correlation of two number streams with mean ½ and variance 1/12, times √n: standard normal.
+/// The correlation of two sequences with mean ½ and variance 1/12, times √n: standard normal.
 fn standardised_correlation(pairs: impl Iterator<Item = (f32, f32)>) -> f64 {
     let products: Accumulator =
         pairs.map(|(a, b)| f64::from(a - 0.5) * f64::from(b - 0.5) * 12.0).collect();
@@ -107,13 +98,13 @@ fn standardised_correlation(pairs: impl Iterator<Item = (f32, f32)>) -> f64 {
 
 #[test]
 fn dimensions_pixels_seeds_and_samples_are_uncorrelated() {
-    for kind in KINDS {
+    for kind in SamplerKind::ALL {
         let spec = SamplerSpec::new(kind, 16, 3);
         let other_seed = SamplerSpec::new(kind, 16, 4);
         let value = |spec: &SamplerSpec, place: u32, index: u32, dimension: u32| {
-            let mut stream = spec.start(pixel(place), index);
-            stream.set_dimension(dimension);
-            stream.next_1d()
+            let mut sampler = spec.start(pixel(place), index);
+            sampler.set_dimension(dimension);
+            sampler.next_1d()
         };
         let mut scores = Vec::new();
         for (a, b) in [(0, 1), (0, 2), (1, 2), (2, 7), (0, 64), (3, 67), (10, 11)] {
@@ -160,7 +151,7 @@ fn assert_even(points: &[Vec2], columns: u32, rows: u32, what: &str) {
 
 #[test]
 fn one_dimension_is_stratified_as_finely_as_there_are_samples() {
-    for kind in KINDS.into_iter().filter(|&kind| kind != SamplerKind::Independent) {
+    for kind in SamplerKind::ALL.into_iter().filter(|&kind| kind != SamplerKind::Independent) {
         // Halton's first dimension is in base 2, and its second in base 3.
         for (planned, dimension) in [(64, 0), (16, 6), (81, 1), (25, 9)] {
             let in_base = matches!((planned, dimension), (64, 0) | (81, 1));
@@ -180,9 +171,9 @@ fn one_dimension_is_stratified_as_finely_as_there_are_samples() {
             };
             for set in [0, 5] {
                 let values = (0..count).map(|index| {
-                    let mut stream = spec.start(pixel(3), set * count + index);
-                    stream.set_dimension(dimension);
-                    stream.next_1d()
+                    let mut sampler = spec.start(pixel(3), set * count + index);
+                    sampler.set_dimension(dimension);
+                    sampler.next_1d()
                 });
                 assert_latin(values, count, &format!("{kind:?} {planned} set {set}"));
             }
@@ -251,8 +242,8 @@ fn all_pairs_of_an_orthogonal_array_are_stratified() {
     assert_eq!(spec.rounded_sample_count(), 49);
     let samples: Vec<Vec<f32>> = (0..49)
         .map(|index| {
-            let mut stream = spec.start(pixel(4), index);
-            (0..8).map(|_| stream.next_1d()).collect()
+            let mut sampler = spec.start(pixel(4), index);
+            (0..8).map(|_| sampler.next_1d()).collect()
         })
         .collect();
     for first in 0..8 {
@@ -263,10 +254,10 @@ fn all_pairs_of_an_orthogonal_array_are_stratified() {
         }
     }
     // A pair never straddles two arrays.
-    let mut stream = spec.start(pixel(4), 0);
-    stream.set_dimension(7);
-    let _ = stream.next_2d();
-    assert_eq!(stream.dimension(), 10);
+    let mut sampler = spec.start(pixel(4), 0);
+    sampler.set_dimension(7);
+    let _ = sampler.next_2d();
+    assert_eq!(sampler.dimension(), 10);
 }
 
 #[test]
@@ -286,9 +277,9 @@ fn pixel_means(spec: &SamplerSpec, count: u32) -> Accumulator {
         .map(|place| {
             let sum: f64 = (0..count)
                 .map(|index| {
-                    let mut stream = spec.start(pixel(place), index);
-                    stream.set_dimension(2);
-                    let point = stream.next_2d();
+                    let mut sampler = spec.start(pixel(place), index);
+                    sampler.set_dimension(2);
+                    let point = sampler.next_2d();
                     f64::from((3.0 * point.x).sin() * (2.0 * point.y).exp())
                 })
                 .sum();
@@ -303,7 +294,7 @@ fn means_are_unbiased_and_vary_less_than_independent_ones() {
     let expected = (1.0 - 3.0_f64.cos()) / 3.0 * 0.5 * 2.0_f64.exp_m1();
     let independent = pixel_means(&SamplerSpec::new(SamplerKind::Independent, 64, 6), 64);
     assert!(t_test(&independent, expected).accepts(1e-3));
-    for kind in KINDS.into_iter().filter(|&kind| kind != SamplerKind::Independent) {
+    for kind in SamplerKind::ALL.into_iter().filter(|&kind| kind != SamplerKind::Independent) {
         let spec = SamplerSpec::new(kind, 49, 6);
         let count = if kind == SamplerKind::Sobol { 64 } else { spec.rounded_sample_count() };
         let means = pixel_means(&spec, count);

@@ -41,7 +41,7 @@ pub fn pdf(point: Vec2, corners: &Corners) -> f32 {
     linear::pdf(point.y, low, high) * linear::pdf(point.x, row.x, row.y)
 }
 
-/// The uniform numbers behind a point.
+/// The uniform numbers that [`sample`] maps to a point.
 #[inline]
 #[must_use]
 pub fn invert(point: Vec2, corners: &Corners) -> Vec2 {

@@ -1,4 +1,4 @@
-//! The unit disk, by the concentric map, which keeps areas and neighbours.
+//! The unit disk by the concentric map, which preserves areas and neighbourhoods.
 //!
 //! Shirley and Chiu, *A Low Distortion Map Between Disk and Square*, 1997.
 
@@ -19,7 +19,7 @@ pub fn sample(uniform: Vec2) -> Vec2 {
 #[must_use]
 pub fn sample_lanes<R: Real>(uniform: Vector2<R>) -> Vector2<R> {
     let (x, y) = (uniform.x * 2.0 - 1.0, uniform.y * 2.0 - 1.0);
-    // Without branches: which coordinate is the greater cannot be foretold.
+    // Without branches: the processor cannot predict which coordinate is greater.
     let across = x.abs().gt(y.abs());
     let (radius, minor) = (R::select(across, x, y), R::select(across, y, x));
     let divisor = R::select(radius.equals(radius.zero()), radius.like(1.0), radius);
@@ -32,11 +32,11 @@ pub fn sample_lanes<R: Real>(uniform: Vector2<R>) -> Vector2<R> {
 #[inline]
 #[must_use]
 pub fn pdf(point: Vec2) -> f32 {
-    // The rim is widened by the rounding of `sample`, so that every sample has a density.
+    // The rim is wider by the rounding error of `sample`, so that every sample has a density.
     if point.length_squared() <= 1.0 + 4.0 * f32::EPSILON { FRAC_1_PI } else { 0.0 }
 }
 
-/// The uniform numbers behind a point of the unit disk.
+/// The uniform numbers that [`sample`] maps to a point of the unit disk.
 #[inline]
 #[must_use]
 pub fn invert(point: Vec2) -> Vec2 {

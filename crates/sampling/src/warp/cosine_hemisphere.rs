@@ -18,7 +18,7 @@ pub fn sample(uniform: Vec2) -> Vec3 {
 #[must_use]
 pub fn sample_lanes<R: Real>(uniform: Vector2<R>) -> Vector3<R> {
     let disk = concentric_disk::sample_lanes(uniform);
-    // A direction in the horizon has no density; rounding must not yield one.
+    // Directions at the horizon have zero density; rounding must not produce one.
     let z = (-disk.length_squared() + 1.0).safe_sqrt();
     disk.extend(z.max(z.like(1e-6)))
 }
@@ -37,7 +37,7 @@ pub fn pdf_lanes<R: Real>(direction: Vector3<R>) -> R {
     direction.z.max(direction.z.zero()) * FRAC_1_PI
 }
 
-/// The uniform numbers behind a direction above the horizon.
+/// The uniform numbers that [`sample`] maps to a direction above the horizon.
 #[inline]
 #[must_use]
 pub fn invert(direction: Vec3) -> Vec2 {

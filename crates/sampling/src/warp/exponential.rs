@@ -16,7 +16,7 @@ pub fn pdf(x: f32, rate: f32) -> f32 {
     if x < 0.0 { 0.0 } else { rate * (-rate * x).exp() }
 }
 
-/// The uniform number behind `x`.
+/// The uniform number that [`sample`] maps to `x`.
 #[inline]
 #[must_use]
 pub fn invert(x: f32, rate: f32) -> f32 {

@@ -1,6 +1,6 @@
 //! A density on [0, 1] that changes linearly from end to end.
 //!
-//! *Physically Based Rendering*, 4th edition, 2.4.2, in the form that does not cancel.
+//! *Physically Based Rendering*, 4th edition, 2.4.2, in a form without cancellation.
 
 use crate::hash::ONE_MINUS_EPSILON;
 
@@ -12,7 +12,7 @@ pub fn sample(uniform: f32, start: f32, end: f32) -> f32 {
     if sum <= 0.0 {
         return uniform;
     }
-    // Shares of one, so that the squares neither vanish nor overflow.
+    // Normalised, so that the squares neither underflow nor overflow.
     let (start, end) = (start / sum, end / sum);
     let root = (start * start + uniform * (end - start)).max(0.0).sqrt();
     let denominator = start + root;
@@ -30,7 +30,7 @@ pub fn pdf(x: f32, start: f32, end: f32) -> f32 {
     2.0 * (start + x * (end - start)) / sum
 }
 
-/// The uniform number behind `x`.
+/// The uniform number that [`sample`] maps to `x`.
 #[inline]
 #[must_use]
 pub fn invert(x: f32, start: f32, end: f32) -> f32 {

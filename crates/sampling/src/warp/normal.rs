@@ -21,7 +21,7 @@ pub fn pdf(point: Vec2) -> f32 {
     (-0.5 * point.length_squared()).exp() / TAU
 }
 
-/// The uniform numbers behind a point.
+/// The uniform numbers that [`sample`] maps to a point.
 #[inline]
 #[must_use]
 pub fn invert(point: Vec2) -> Vec2 {
@@ -48,7 +48,7 @@ mod tests {
         for _ in 0..20_000 {
             let uniform = random.next_vec2();
             let difference = (invert(sample(uniform)) - uniform).abs();
-            // Near the centre, and across the cut, the angle is any number.
+            // Near the centre and across the cut, the angle is arbitrary.
             let turn = difference.y.min(1.0 - difference.y);
             assert!(difference.x < 1e-6 && turn < 1e-6, "{uniform} {difference}");
         }

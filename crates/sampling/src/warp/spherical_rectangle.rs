@@ -6,8 +6,8 @@ use crate::hash::ONE_MINUS_EPSILON;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
-/// A rectangle as seen from a point. Set it up once per point; it works in double precision, as
-/// the solid angle is a small difference of large angles.
+/// A rectangle as seen from a point. Set it up once per point. It works in double precision, because the
+/// solid angle is a small difference of large angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphericalRectangle {
     origin: DVec3,
@@ -90,7 +90,7 @@ impl SphericalRectangle {
         (self.origin + x_axis * local.x + y_axis * local.y + z_axis * local.z).as_vec3()
     }
 
-    /// The uniform numbers behind a point of the rectangle (or any point seen through it).
+    /// The uniform numbers that [`Self::sample`] maps to a point, or to its projection on the rectangle.
     #[must_use]
     pub fn invert(&self, point: Vec3) -> Vec2 {
         let relative = point.as_dvec3() - self.origin;
@@ -113,7 +113,7 @@ impl SphericalRectangle {
         let (low, high) = (self.edge_normals.x, self.edge_normals.y);
         let slope = (cosine * low - high) / sine;
         let normal = (slope * slope + low * low).sqrt().recip().clamp(0.0, 1.0).copysign(slope);
-        // The greatest double below infinity stands in for an edge plane through the normal.
+        // `max` keeps x finite where an edge plane contains the normal.
         let x = normal * self.distance / (1.0 - normal * normal).sqrt().max(f64::MIN_POSITIVE);
         x.clamp(self.low.x, self.high.x)
     }

@@ -16,7 +16,7 @@ pub fn pdf(x: f32) -> f32 {
     (1.0 - x.abs()).max(0.0)
 }
 
-/// The uniform number behind `x` in [−1, 1]; ends beyond are taken for the ends.
+/// The uniform number that [`sample`] maps to `x`, which is clamped to [−1, 1].
 #[inline]
 #[must_use]
 pub fn invert(x: f32) -> f32 {

@@ -1,7 +1,7 @@
 //! Directions uniform in a cone about +z, given by 1 − cos of its half angle.
 //!
-//! That difference, not the cosine, is the parameter: the cosine of a small angle has no digits
-//! left in single precision (the sun's half angle of 0.27° has 1 − cosθ = 1.1·10⁻⁵).
+//! The parameter is this difference because the cosine of a small angle loses all precision in `f32`
+//! (the sun's half angle of 0.27° has 1 − cosθ = 1.1·10⁻⁵).
 
 use super::concentric_disk;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -18,7 +18,7 @@ pub fn one_minus_cosine(angle: f32) -> f32 {
 
 /// A uniform direction in the cone; `one_minus_cosine` in (0, 2] is the cone's 1 − cosθ.
 ///
-/// A disk lifted to the cap in a way that keeps areas: r² is the share of 1 − cosθ.
+/// An area-preserving map of the disk to the cap: r² is the share of 1 − cosθ.
 #[inline]
 #[must_use]
 pub fn sample(uniform: Vec2, one_minus_cosine: f32) -> Vec3 {
@@ -39,19 +39,19 @@ pub fn sample_lanes<R: Real>(uniform: Vector2<R>, one_minus_cosine: R) -> Vector
 #[inline]
 #[must_use]
 pub fn pdf(direction: Vec3, one_minus_cosine: f32) -> f32 {
-    // The rim is widened by the rounding of `sample`, so that every sample has a density.
+    // The rim is wider by the rounding error of `sample`, so that every sample has a density.
     let rim = one_minus_cosine * (1.0 + 8.0 * f32::EPSILON) + 4.0 * rounding(one_minus_cosine);
     if height(direction) <= rim { 0.5 * FRAC_1_PI / one_minus_cosine } else { 0.0 }
 }
 
-/// The uniform numbers behind a direction of the cone.
+/// The uniform numbers that [`sample`] maps to a direction of the cone.
 #[inline]
 #[must_use]
 pub fn invert(direction: Vec3, one_minus_cosine: f32) -> Vec2 {
     let radius = (height(direction) / one_minus_cosine).clamp(0.0, 1.0).sqrt();
     let planar = direction.truncate();
     let length = planar.length();
-    // On the axis, and opposite to it, where the disk's rim is one direction, any azimuth will do.
+    // On the axis and opposite to it, the azimuth is arbitrary.
     concentric_disk::invert(if length > 0.0 {
         planar * (radius / length)
     } else {
@@ -69,7 +69,7 @@ fn height(direction: Vec3) -> f32 {
     }
 }
 
-/// The absolute rounding of a unit vector shows below the equator only.
+/// The absolute rounding error of a unit vector, which matters only below the equator.
 #[inline]
 fn rounding(one_minus_cosine: f32) -> f32 {
     if one_minus_cosine < 1.0 { 0.0 } else { f32::EPSILON }

@@ -18,7 +18,7 @@ pub fn pdf(direction: Vec3) -> f32 {
     if direction.z >= 0.0 { 0.5 * FRAC_1_PI } else { 0.0 }
 }
 
-/// The uniform numbers behind a direction above the horizon.
+/// The uniform numbers that [`sample`] maps to a direction above the horizon.
 #[inline]
 #[must_use]
 pub fn invert(direction: Vec3) -> Vec2 {

@@ -5,7 +5,7 @@ use etendue_math::lanes::{Real, Vector2, Vector3};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// 1 − cos of the half angle of the cone that is all directions.
+/// 1 − cos of the half angle of the cone that contains all directions.
 const WHOLE: f32 = 2.0;
 
 /// A uniform direction. The rim of the square maps to −z.
@@ -29,7 +29,7 @@ pub fn pdf(_direction: Vec3) -> f32 {
     0.25 * FRAC_1_PI
 }
 
-/// The uniform numbers behind a direction.
+/// The uniform numbers that [`sample`] maps to a direction.
 #[inline]
 #[must_use]
 pub fn invert(direction: Vec3) -> Vec2 {
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn the_map_undoes_the_inverse() {
-        // In this order, as near −z a small turn is a large way along the rim of the square.
+        // In this order, because near −z a small turn is a long way along the rim of the square.
         let mut random = TestRng::new(4);
         for _ in 0..20_000 {
             let direction = random.unit_vector();

@@ -1,7 +1,7 @@
 //! Points uniform in a triangle, as barycentric coordinates.
 //!
 //! Heitz, *A Low-Distortion Map Between Triangle and Square*, 2019: the square is folded along its
-//! diagonal, without the crowding at a vertex that the square-root map has.
+//! diagonal. Unlike the square-root map, it does not crowd samples at a vertex.
 
 use crate::hash::ONE_MINUS_EPSILON;
 use etendue_math::lanes::{Real, Vector2};
@@ -32,7 +32,7 @@ pub fn pdf(coordinates: Vec2) -> f32 {
     if inside { 2.0 } else { 0.0 }
 }
 
-/// The uniform numbers behind barycentric coordinates.
+/// The uniform numbers that [`sample`] maps to barycentric coordinates.
 #[inline]
 #[must_use]
 pub fn invert(coordinates: Vec2) -> Vec2 {
