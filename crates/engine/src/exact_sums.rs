@@ -66,8 +66,8 @@ const BIAS: u16 = 1023;
 const LIMIT_OF_WINDOW_0: u16 = BIAS + 16;
 
 /// The lowest window, which an empty sum has. Its limit is 2^−592; smaller values are rounded to its
-/// units. Films add products of two single-precision numbers and squares of these, which are that
-/// small only where they are black.
+/// units. Films add products of two single-precision numbers and squares of these, of which only those
+/// of the smallest denormals lie below.
 const LOWEST_LIMIT: u16 = LIMIT_OF_WINDOW_0 - 19 * DIGIT_BITS;
 
 /// The highest window, which fits every finite value.
