@@ -306,7 +306,7 @@ impl FilmSums {
 
 fn kind<S: SampleSource>(job: &Job, source: &S) -> TileKind {
     TileKind {
-        extra_count: source.channels().len(),
+        extra_channel_count: source.channels().len(),
         variance: job.variance,
         splats: source.splats().is_some(),
         first_sample: job.first_sample,

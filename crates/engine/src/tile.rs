@@ -34,7 +34,7 @@ pub(crate) struct Tile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileKind {
     /// Channels beyond red, green, blue and alpha.
-    pub(crate) extra_count: usize,
+    pub(crate) extra_channel_count: usize,
     /// Whether squares are summed.
     pub(crate) variance: bool,
     /// Whether samples have splats, which belong to the film as a whole.
@@ -47,14 +47,14 @@ impl TileKind {
     /// How many sums a pixel has, of values and of squares.
     pub(crate) fn sums_per_pixel(self) -> u64 {
         let squared = if self.variance { SQUARED_CHANNELS } else { 0 };
-        (COLOR_CHANNELS + self.extra_count + squared) as u64
+        (COLOR_CHANNELS + self.extra_channel_count + squared) as u64
     }
 }
 
 impl Tile {
     pub(crate) fn new(region: Region, kind: TileKind) -> Self {
         let pixel_count = region.pixel_count() as usize;
-        let channel_count = COLOR_CHANNELS + kind.extra_count;
+        let channel_count = COLOR_CHANNELS + kind.extra_channel_count;
         let squared = if kind.variance { pixel_count * SQUARED_CHANNELS } else { 0 };
         Self {
             region,
@@ -122,11 +122,12 @@ impl Tile {
         samples: &[Sample],
         channels: &[f32],
     ) {
-        let extra_count = self.channel_count - COLOR_CHANNELS;
+        let extra_channel_count = self.channel_count - COLOR_CHANNELS;
         // By reference: copied out one by one, ids of twelve bytes would be read back in pieces that
         // the processor cannot forward, which takes half of the time of this loop.
         for (index, (id, sample)) in ids.iter().zip(samples).enumerate() {
-            let channels = &channels[index * extra_count..(index + 1) * extra_count];
+            let channels =
+                &channels[index * extra_channel_count..(index + 1) * extra_channel_count];
             self.add_one(simd, *id, sample, channels);
         }
     }

@@ -43,10 +43,10 @@ const SCENE: &str = r#"
 fn build() -> Scene {
     let diagnostics = Diagnostics::new();
     let files = MemoryResources::default();
-    let scene =
-        read_text(SCENE, &files, &LoadOptions::default(), &diagnostics).and_then(|document| {
-            build_scene(&document, &files, &diagnostics, &BuildOptions::default())
-        });
+    let document = read_text(SCENE, &files, &LoadOptions::default(), &diagnostics).ok();
+    let scene = document.and_then(|document| {
+        build_scene(&document, &files, &diagnostics, &BuildOptions::default())
+    });
     scene.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }
 

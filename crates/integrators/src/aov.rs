@@ -1,7 +1,7 @@
-//! `aov`: what is seen first, as numbers: for compositing, denoising and looking into a scene.
+//! `aov`: quantities of the first visible surface, for compositing, denoising and debugging.
 
+use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone, write};
-use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters, list_names, near_names};
 use etendue_sampling::Sampler;
 use etendue_scene::bsdf::Bsdf;
@@ -59,7 +59,7 @@ const KINDS: [(&str, Kind, &[&str]); 10] = [
 /// Adds channels to a picture.
 pub struct Aov {
     kinds: Vec<Kind>,
-    /// Those of the nested integrators, then those of the kinds.
+    /// The names: those of the nested integrators, then those of the kinds.
     channels: Vec<String>,
     nested: Vec<Nested>,
 }

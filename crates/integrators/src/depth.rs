@@ -1,6 +1,6 @@
-//! `depth`: the distance to what is seen.
+//! `depth`: the distance to the first visible surface.
 
-use crate::{Integrator, Radiance, Start};
+use crate::integrator::{Integrator, Radiance, Start};
 use etendue_sampling::Sampler;
 use etendue_scene::{Manual, Scene};
 use etendue_spectrum::Spectrum;
@@ -13,7 +13,7 @@ pub(crate) const MANUAL: Manual = Manual {
     sample: r#"<integrator type="depth"/>"#,
 };
 
-/// Shows distances.
+/// Renders distances.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Depth;
 

@@ -1,7 +1,7 @@
 //! `moment`: the results of other integrators, and their squares.
 
+use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone};
-use crate::{CameraRay, Integrator, Radiance, Start};
 use etendue_sampling::Sampler;
 use etendue_scene::{Manual, Scene};
 use etendue_spectrum::color::rgb_to_xyz;

@@ -1,6 +1,6 @@
 //! An integrator inside another one: its name, and its place among the channels.
 
-use crate::{CameraRay, Integrator, Radiance, Start};
+use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use etendue_sampling::Sampler;
 use etendue_scene::Scene;
 

@@ -1,8 +1,9 @@
-//! `ptracer`: particles from the lights, which leave their mark on the film.
+//! `ptracer`: particles from the emitters, whose splats make the picture.
 
+use crate::integrator::{Integrator, Radiance, Start};
 use crate::light::{Origin, emitted, first_hit, first_sight};
+use crate::particles::{ParticleIntegrator, Splat, SplatSink, SplatTarget};
 use crate::path::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH, depths};
-use crate::{Integrator, ParticleIntegrator, Radiance, Splat, SplatSink, SplatTarget, Start};
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_sampling::Sampler;
@@ -41,18 +42,18 @@ pub struct ParticleTracer {
     hide_emitters: bool,
 }
 
-/// Connections end short of the lens by this share of their length, as far as a rounded distance may
-/// be wrong.
+/// The share of a connection's length that must be free. The rest allows for the rounding of the
+/// distance, so that the lens does not block it.
 const CONNECTION_LENGTH: f32 = 1.0 - 2e-5;
 
-/// A particle on its way.
+/// A particle between two vertices of its path.
 struct Particle {
     ray: Ray,
     /// The power that it carries.
     power: Spectrum,
-    /// The power that it started with, for roulette.
+    /// The greatest component of the power that it started with, for roulette.
     start: f32,
-    /// The index of refraction here relative to the light's.
+    /// The index of refraction here, relative to that at the emitter.
     eta: f32,
 }
 
@@ -63,7 +64,7 @@ struct Vertex<'a> {
 }
 
 impl ParticleTracer {
-    /// Reads a particle tracer.
+    /// Builds a particle tracer from its parameters.
     #[must_use]
     pub fn build(parameters: &Parameters<'_>) -> Self {
         parameters.optional_integer("samples_per_pass");
@@ -72,7 +73,7 @@ impl ParticleTracer {
         Self { max_depth, rr_depth, hide_emitters }
     }
 
-    /// Lets a particle start at an emitter.
+    /// Starts a particle at an emitter; `None` if the emitter sends none this time.
     fn emit(scene: &Scene, sampler: &mut Sampler) -> Option<Particle> {
         let mut choice_random = sampler.next_1d();
         let (place, direction) = (sampler.next_2d(), sampler.next_2d());
@@ -106,7 +107,7 @@ impl ParticleTracer {
         color
     }
 
-    /// Whether something stands between a surface and the camera.
+    /// Whether something lies between a surface and the camera.
     fn is_blocked(
         &self,
         scene: &Scene,
@@ -121,7 +122,7 @@ impl ParticleTracer {
         first_hit(scene, &ray, self.hide_emitters).is_some()
     }
 
-    /// Goes on from a vertex; false where the particle ends.
+    /// Scatters a particle at a vertex; false if its path ends.
     fn scatter(
         &self,
         vertex: &Vertex<'_>,
@@ -158,8 +159,8 @@ impl ParticleTracer {
     }
 }
 
-/// What shading normals cost light that is traced from its source: |wi·Ns| |wo·Ng| / (|wi·Ng| |wo·Ns|),
-/// wi being where the particle comes from (Veach, *Robust Monte Carlo Methods for Light Transport
+/// The correction for shading normals in light that is traced from its source:
+/// |wi·Ns| |wo·Ng| / (|wi·Ng| |wo·Ns|), where wi points to where the particle comes from (Veach, *Robust Monte Carlo Methods for Light Transport
 /// Simulation*, 1997, section 5.3).
 fn shading_correction(
     surface: &SurfaceInteraction,
@@ -173,7 +174,7 @@ fn shading_correction(
 }
 
 impl Integrator for ParticleTracer {
-    /// What the camera sees shine by itself.
+    /// The emitters that the camera sees directly. Particles bring the rest.
     fn sample(&self, scene: &Scene, start: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
         let ray = &start.ray;
         let seen = Origin { point: ray.origin, pdf: None };

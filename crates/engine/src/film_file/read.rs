@@ -119,7 +119,7 @@ impl FilmFile {
         memory_limit: u64,
     ) -> Result<FilmSums, FilmFileError> {
         let kind = TileKind {
-            extra_count: self.channel_names.len(),
+            extra_channel_count: self.channel_names.len(),
             variance: self.variance,
             splats: self.splats,
             first_sample: self.first_sample,

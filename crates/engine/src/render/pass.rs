@@ -69,7 +69,7 @@ fn add_splats(source: &dyn SplatSource, id: SampleId, splats: &Splats, tile: &mu
 
 /// The samples that a source is asked for at once.
 struct Batch {
-    extra_count: usize,
+    extra_channel_count: usize,
     ids: Vec<SampleId>,
     samples: Vec<Sample>,
     /// The extra channels, sample after sample.
@@ -77,18 +77,18 @@ struct Batch {
 }
 
 impl Batch {
-    fn new(extra_count: usize) -> Self {
+    fn new(extra_channel_count: usize) -> Self {
         Self {
-            extra_count,
+            extra_channel_count,
             ids: Vec::with_capacity(BATCH_SIZE),
             samples: Vec::with_capacity(BATCH_SIZE),
-            channels: Vec::with_capacity(BATCH_SIZE * extra_count),
+            channels: Vec::with_capacity(BATCH_SIZE * extra_channel_count),
         }
     }
 
     /// Takes the samples, adds them to their tile, and leaves the batch empty.
     fn take<S: SampleSource>(&mut self, source: &S, tile: &mut Tile) {
-        self.channels.resize(self.ids.len() * self.extra_count, 0.0);
+        self.channels.resize(self.ids.len() * self.extra_channel_count, 0.0);
         source.take_samples(&self.ids, &mut self.channels, &mut self.samples);
         tile.add(&self.ids, &self.samples, &self.channels);
         self.ids.clear();
