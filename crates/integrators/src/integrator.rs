@@ -53,7 +53,8 @@ pub trait Integrator: Send + Sync {
         ));
     }
 
-    /// The particles that bring the rest of the light, if any do.
+    /// The particles that bring the rest of the light, if any do. Integrators that nest others, such as
+    /// `aov`, leave out their particles, and say so when they are built.
     fn particles(&self) -> Option<&dyn ParticleIntegrator> {
         None
     }

@@ -99,7 +99,13 @@ impl Build<'_> {
             let options = IntegratorOptions { name: None, ..self.options.clone() };
             let build =
                 Build { parameters: &parameters, options: &options, nesting: self.nesting + 1 };
-            nested.push(Nested { name, integrator: build.by_name(parameters.plugin())? });
+            let integrator = build.by_name(parameters.plugin())?;
+            if integrator.particles().is_some() {
+                let (outer, inner) = (self.parameters.plugin(), parameters.plugin());
+                let message = format!("`{outer}` leaves out the particles of `{inner}`");
+                parameters.warning(Fault::Approximation, "", message);
+            }
+            nested.push(Nested { name, integrator });
             parameters.finish();
         }
         Some(nested)
