@@ -58,11 +58,11 @@ impl<'a> Camera<'a> {
         &self.sampler
     }
 
-    pub(crate) fn scene(&self) -> &'a Scene {
+    pub(crate) fn scene(&self) -> &Scene {
         self.scene
     }
 
-    pub(crate) fn integrator(&self) -> &'a dyn Integrator {
+    pub(crate) fn integrator(&self) -> &dyn Integrator {
         self.integrator
     }
 

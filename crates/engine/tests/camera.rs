@@ -1,4 +1,4 @@
-//! The camera as a source of samples: where they lie, and that any of them can be had again.
+//! The camera as a source of samples: where they lie, and that any of them can be replayed.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_engine::{
@@ -9,7 +9,7 @@ use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
 
-/// A square from (-1, -1) to (1, 1) seen straight on, so that places on the film are places on it.
+/// A square from (-1, -1) to (1, 1) that fills the film, so that positions on both correspond.
 const SQUARE: &str = r#"
     <scene version="3.0.0">
         <integrator type="aov">

@@ -1,4 +1,4 @@
-//! Films as files and films merged: any division of the samples gives the bits of one render.
+//! Films in files, and merged films: any division of the samples gives the bits of one render.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,7 +16,7 @@ use proptest::prelude::*;
 /// splats anywhere.
 struct Noise {
     channels: Vec<String>,
-    /// Cancels when so many samples have been taken.
+    /// Cancels after so many samples.
     stop: Option<(u64, Cancel)>,
     taken: AtomicU64,
 }
@@ -83,8 +83,8 @@ fn job(first_sample: u32) -> Job {
     Job { region: REGION, first_sample, budget, variance: true, memory_limit: 1 << 30 }
 }
 
-/// Goes on with a film up to a sample index.
-fn go_on(film: &FilmSums, end: u32, threads: usize) {
+/// Renders the samples of a film that are missing below an index.
+fn render_up_to(film: &FilmSums, end: u32, threads: usize) {
     let workers = Workers::new(NonZeroUsize::new(threads)).unwrap();
     let budget = Budget { samples_per_pixel: Some(end), time: None };
     let host = Host { workers: &workers, observer: &Silent, cancel: &Cancel::new() };
@@ -95,7 +95,7 @@ fn go_on(film: &FilmSums, end: u32, threads: usize) {
 fn part(first: u32, end: u32, [tile_threads, threads]: [usize; 2]) -> FilmSums {
     let film = FilmSums::new(&job(first), &Noise::new(), tile_threads).unwrap();
     if end > first {
-        go_on(&film, end, threads);
+        render_up_to(&film, end, threads);
     }
     film
 }
@@ -134,8 +134,8 @@ fn read(bytes: &[u8]) -> Result<(FilmFile, FilmSums), FilmFileError> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Parts of any sizes, rendered on any number of threads with tiles of any size, cut short and
-    /// resumed from their files anywhere, merged in any order.
+    /// Parts of any size, rendered on any number of threads with tiles of any size, stopped anywhere and
+    /// resumed from their files, merged in any order.
     #[test]
     fn any_split_any_order_any_threads_is_one_render(
         cuts in prop::collection::btree_set(1..COUNT, 0..5),
@@ -150,7 +150,7 @@ proptest! {
             let (tiles, count) = threads[index];
             let pause = start + (f64::from(end - start) * pauses[index]) as u32;
             let (_, film) = read(&write(&part(start, pause, [tiles, count]))).unwrap();
-            go_on(&film, end, count % 3 + 1);
+            render_up_to(&film, end, count % 3 + 1);
             parts.push(film);
         }
         let mut state = order;
@@ -168,7 +168,7 @@ proptest! {
 
     /// A render stopped anywhere, in the middle of a pass too, and resumed from its file.
     #[test]
-    fn a_render_stopped_in_the_middle_of_a_pass_goes_on_as_if_it_had_not_been(
+    fn a_render_stopped_in_the_middle_of_a_pass_resumes_to_the_same_picture(
         stop in 1..(u64::from(COUNT) * REGION.pixel_count()),
         threads in 1..4_usize,
         tiles in prop::sample::select(vec![1, 200]),
@@ -182,20 +182,20 @@ proptest! {
         render_into(&source, &film, budget, &host).unwrap();
         let (file, resumed) = read(&write(&film)).unwrap();
         prop_assert_eq!([file.samples_per_pixel], [film.samples_per_pixel().least]);
-        go_on(&resumed, COUNT, 2);
+        render_up_to(&resumed, COUNT, 2);
         prop_assert_eq!(picture(&resumed), picture(&whole()));
     }
 }
 
 #[test]
-fn what_is_written_is_read_again() {
+fn a_written_film_is_read_back() {
     let film = part(3, 9, [200, 2]);
     let (file, again) = read(&write(&film)).unwrap();
     assert_eq!(file.record, record());
     assert_eq!((file.region, file.first_sample, file.samples_per_pixel), (REGION, 3, 6));
     assert_eq!((file.channel_names.as_slice(), file.variance), (Noise::new().channels(), true));
     assert_eq!(picture(&again), picture(&film));
-    assert!(film.defects().total() > 0, "otherwise the next line says nothing");
+    assert!(film.defects().total() > 0, "otherwise the next line proves nothing");
     assert_eq!(again.defects(), film.defects());
     assert_eq!(write(&again), write(&film));
 }
@@ -229,11 +229,11 @@ fn refusals_tell_foreign_files_other_versions_and_torn_ones_apart() {
     assert!(read(&torn).is_err());
 }
 
-/// A header that promises a large film in a small file, with a right checksum.
+/// A header that claims a large film in a small file.
 #[test]
 fn a_small_file_cannot_make_the_reader_take_much_memory() {
     let mut bytes = write(&part(0, 1, [1, 1]));
-    // Width and height stand behind the offset, each of which is unlike any other number here.
+    // No other four numbers of the file are those of the region.
     let needle: Vec<u8> = [5_u32, 1, 21, 18].into_iter().flat_map(u32::to_le_bytes).collect();
     let place = bytes.windows(16).position(|window| window == needle).unwrap();
     bytes[place + 8..place + 16].fill(0x7f);

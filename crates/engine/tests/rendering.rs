@@ -1,4 +1,4 @@
-//! The engine on sources of light that are formulas: exactness, budgets, cancelling, defects.
+//! The engine with formulas as sources: exactness, budgets, cancelling, defects.
 
 use std::num::NonZeroUsize;
 use std::sync::Mutex;
@@ -39,7 +39,7 @@ fn grey(value: f32) -> Sample {
     Sample { color: Spectrum::splat(value), alpha: 1.0, weight: 1.0 }
 }
 
-/// Some number in [0, 1) that is hard to add up exactly.
+/// A number in [0, 1) whose sums need many digits.
 fn noise(id: SampleId) -> f32 {
     let mixed = (id.x ^ id.y << 10 ^ id.index << 20).wrapping_mul(0x9e37_79b9);
     (mixed ^ mixed >> 15) as f32 / 4.3e9
@@ -155,7 +155,7 @@ fn a_channel_that_is_not_finite_is_a_defect_and_a_negative_one_is_none() {
     assert_eq!(statistics.defects.total(), REGION.pixel_count());
 }
 
-/// Cancels after the third pass, and remembers what it heard.
+/// Cancels after the third pass, and records all reports.
 #[derive(Default)]
 struct CancelAtThird {
     cancel: Cancel,
@@ -188,7 +188,7 @@ fn a_cancelled_render_keeps_what_is_done() {
     assert!(statistics.cancelled);
     let done = observer.passes.lock().unwrap()[2];
     let expected = SamplesPerPixel::all(done);
-    assert_eq!(statistics.samples_per_pixel, expected, "a pass that was not begun left no trace");
+    assert_eq!(statistics.samples_per_pixel, expected, "a pass that has not begun leaves no trace");
     assert!(film.develop(ALL).channels[0].data.iter().all(|&value| value == 1.0));
     assert_eq!(observer.last.lock().unwrap().unwrap().samples_done, statistics.samples);
 }
@@ -206,7 +206,7 @@ fn a_time_limit_ends_the_render_but_not_before_every_pixel_has_a_sample() {
         let (_, statistics) = render(&source, &Job { budget, ..job(1) }, 2);
         assert!(statistics.samples_per_pixel.least >= 1);
         assert!(!statistics.cancelled, "the budget was spent");
-        // A pass takes some 60 ms here; seconds are what a busy machine may add.
+        // A pass takes about 60 ms; a busy machine may add seconds.
         assert!(started.elapsed() < Duration::from_secs(10));
     }
 }
