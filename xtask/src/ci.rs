@@ -1,10 +1,10 @@
-//! `cargo xtask ci [--slurm]`: everything that a change must pass.
+//! `cargo xtask ci [--quick]`: everything that a change must pass.
 
 use std::process::Command;
 use std::time::Instant;
 
 use crate::workspace::{cargo, has_subcommand};
-use crate::{deps, generate, leaks, links, openjd, package, seeds, slurm, splines, suite};
+use crate::{deps, etendue, generate, links, package};
 
 /// How a step ended.
 enum Outcome {
@@ -18,42 +18,53 @@ enum Outcome {
 struct Step {
     name: &'static str,
     run: fn() -> Outcome,
+    /// Whether `--quick` leaves it out.
+    is_slow: bool,
 }
 
 /// The checks, the quick ones first.
 const STEPS: &[Step] = &[
-    Step { name: "format", run: format },
-    Step { name: "dependency edges", run: || passed(deps::run(&[])) },
-    Step { name: "links", run: || passed(links::run(&[])) },
-    Step { name: "lints", run: lints },
-    Step { name: "tests", run: tests },
-    Step { name: "leaks", run: || passed(leaks::run(&[])) },
-    Step { name: "splines", run: || passed(splines::run(&[])) },
-    Step { name: "generated files", run: generated_files },
-    Step { name: "documentation", run: documentation },
-    Step { name: "seed scenes", run: seed_scenes },
-    Step { name: "render tests", run: render_tests },
-    Step { name: "packages", run: || passed(package::run(&[])) },
-    Step { name: "unused dependencies", run: unused_dependencies },
-    Step { name: "licences", run: licences },
+    step("format", format),
+    step("dependency edges", || passed(deps::run(&[]))),
+    step("links", || passed(links::run(&[]))),
+    step("lints", lints),
+    step("tests", tests),
+    step("documentation", documentation),
+    slow_step("generated files", generated_files),
+    slow_step("slow tests", slow_tests),
+    slow_step("packages", || passed(package::run(&[]))),
+    step("unused dependencies", unused_dependencies),
+    step("licences", licences),
 ];
 
-/// The checks that need a farm's programs, asked for by `--slurm`.
-const FARM_STEPS: &[Step] = &[
-    Step { name: "Slurm", run: slurm_scripts },
-    Step { name: "Open Job Description", run: openjd_template },
-];
+const fn step(name: &'static str, run: fn() -> Outcome) -> Step {
+    Step { name, run, is_slow: false }
+}
+
+const fn slow_step(name: &'static str, run: fn() -> Outcome) -> Step {
+    Step { name, run, is_slow: true }
+}
 
 /// Runs every step, also after one has failed, and counts.
 pub(crate) fn run(arguments: &[String]) -> bool {
-    let with_farms = arguments.iter().any(|argument| argument == "--slurm");
-    let farm_steps = if with_farms { FARM_STEPS } else { &[] };
+    let is_quick = match arguments {
+        [] => false,
+        [flag] if flag == "--quick" => true,
+        _ => {
+            eprintln!("usage: cargo xtask ci [--quick]");
+            return false;
+        }
+    };
     let mut failed = Vec::new();
+    let mut skipped = Vec::new();
     let mut passed_count = 0;
-    for step in STEPS.iter().chain(farm_steps) {
+    for step in STEPS {
         println!("== {}", step.name);
         let started = Instant::now();
-        let outcome = (step.run)();
+        let outcome = match step.is_slow && is_quick {
+            true => Outcome::Skipped("--quick leaves it out"),
+            false => (step.run)(),
+        };
         let seconds = started.elapsed().as_secs_f64();
         match outcome {
             Outcome::Passed => {
@@ -64,13 +75,18 @@ pub(crate) fn run(arguments: &[String]) -> bool {
                 failed.push(step.name);
                 println!("-- {}: FAILED in {seconds:.1} s\n", step.name);
             }
-            Outcome::Skipped(reason) => println!("-- {}: skipped, {reason}\n", step.name),
+            Outcome::Skipped(reason) => {
+                skipped.push(step.name);
+                println!("-- {}: skipped, {reason}\n", step.name);
+            }
         }
     }
-    if !failed.is_empty() {
-        println!("failed: {}", failed.join(", "));
+    for (word, names) in [("skipped", &skipped), ("failed", &failed)] {
+        if !names.is_empty() {
+            println!("{word}: {}", names.join(", "));
+        }
     }
-    println!("{passed_count} passed, {} failed", failed.len());
+    println!("{passed_count} passed, {} skipped, {} failed", skipped.len(), failed.len());
     failed.is_empty()
 }
 
@@ -83,13 +99,22 @@ fn lints() -> Outcome {
     succeeds(cargo().args(arguments))
 }
 
+/// All but the slow tests; the examples are compiled, too.
 fn tests() -> Outcome {
     succeeds(cargo().args(["test", "--workspace", "--quiet", "--no-fail-fast"]))
 }
 
-/// The tests check the scenes' files; the pages need the built `etendue` command.
-fn generated_files() -> Outcome {
-    passed(generate::docs(&["--check".to_owned()]))
+/// The tests that `cargo test` reports as ignored, on the optimised command. They name what they
+/// leave out: what needs files or programs that are not there.
+fn slow_tests() -> Outcome {
+    if !etendue::build() {
+        return Outcome::Failed;
+    }
+    let mut command = cargo();
+    command.args(["test", "--workspace", "--tests", "--no-fail-fast", "--", "--ignored"]);
+    // One at a time: a render has all threads to itself.
+    command.arg("--test-threads=1");
+    succeeds(command.env("ETENDUE", etendue::path()))
 }
 
 fn documentation() -> Outcome {
@@ -98,35 +123,9 @@ fn documentation() -> Outcome {
     succeeds(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// The pictures are right, as far as the references are at hand.
-fn seed_scenes() -> Outcome {
-    match seeds::folder() {
-        Some(_) => passed(seeds::run(&[])),
-        None => Outcome::Skipped("../shared/seed-scenes is not there"),
-    }
-}
-
-/// Mitsuba's own render tests, where they are at hand.
-fn render_tests() -> Outcome {
-    match suite::folder() {
-        Some(_) => passed(suite::run(&[])),
-        None => Outcome::Skipped("../shared/mitsuba-suite is not there"),
-    }
-}
-
-/// An array of jobs on a Slurm of its own.
-fn slurm_scripts() -> Outcome {
-    match slurm::why_not() {
-        None => passed(slurm::run(&[])),
-        Some(reason) => Outcome::Skipped(reason),
-    }
-}
-
-fn openjd_template() -> Outcome {
-    if !openjd::is_there() {
-        return Outcome::Skipped("openjd-cli is not installed");
-    }
-    passed(openjd::run(&[]))
+/// The reference pages; the tests check the scenes' files.
+fn generated_files() -> Outcome {
+    passed(generate::docs(&["--check".to_owned()]))
 }
 
 fn unused_dependencies() -> Outcome {
@@ -136,7 +135,7 @@ fn unused_dependencies() -> Outcome {
     succeeds(cargo().arg("machete"))
 }
 
-/// Advisories are left out: they need a database from the network, and change without a commit.
+/// Without advisories, which need a database from the network and change without a commit.
 fn licences() -> Outcome {
     if !has_subcommand("deny") {
         return Outcome::Skipped("cargo-deny is not installed");

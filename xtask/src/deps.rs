@@ -73,7 +73,7 @@ const TABLE: &[Row] = &[
         tests_use: &["etendue-testkit"],
     },
     Row { name: "etendue-cli", uses: &["etendue"], tests_use: &["etendue-testkit"] },
-    Row { name: "xtask", uses: &["etendue-testkit"], tests_use: &[] },
+    Row { name: "xtask", uses: &[], tests_use: &[] },
     Row { name: "xtask-generate", uses: &["etendue"], tests_use: &[] },
 ];
 

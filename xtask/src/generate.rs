@@ -1,11 +1,16 @@
-//! The commands that make committed files: they need the renderer, so they are a program of their
-//! own (`xtask-generate`), and `cargo xtask ci` starts without compiling it.
+//! The commands that need the renderer: a program of their own (`xtask-generate`), so that
+//! `cargo xtask ci` starts without compiling it.
 
 use crate::workspace::cargo;
 
 /// `cargo xtask assets`: meshes and pictures that the scenes use.
 pub(crate) fn assets(arguments: &[String]) -> bool {
     run("assets", arguments)
+}
+
+/// `cargo xtask bits`: two binaries beside each other.
+pub(crate) fn bits(arguments: &[String]) -> bool {
+    run("bits", arguments)
 }
 
 /// `cargo xtask docs`: reference pages.
@@ -16,6 +21,11 @@ pub(crate) fn docs(arguments: &[String]) -> bool {
 /// `cargo xtask gallery`: the pictures of the gallery.
 pub(crate) fn gallery(arguments: &[String]) -> bool {
     run("gallery", arguments)
+}
+
+/// `cargo xtask references`: the references of the test scenes.
+pub(crate) fn references(arguments: &[String]) -> bool {
+    run("references", arguments)
 }
 
 /// The triangles of a scene, as a file.

@@ -1,10 +1,11 @@
 //! No ray leaves a closed mesh: rays aimed from inside at edges and vertices, at many scales and
-//! distances from the origin. The example `leaks` does the same with as many rays as wanted.
+//! distances from the origin.
 
 mod common;
 
 use common::{ClosedMesh, PRESETS, Random, TIERS, closed_meshes};
 use etendue_bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, TriangleMeshView};
+use rayon::prelude::*;
 
 fn build(mesh: &ClosedMesh, options: &BuildOptions) -> Bvh {
     let (positions, indices) = (&mesh.positions, &mesh.indices);
@@ -29,6 +30,27 @@ fn no_ray_leaves_a_closed_mesh() {
             }
         }
     }
+}
+
+/// The same with a hundred million rays, which takes about a minute on two cores.
+#[test]
+#[ignore = "slow; `cargo test -- --include-ignored` runs it"]
+fn no_ray_of_a_hundred_million_leaves_a_closed_mesh() {
+    const RAYS: u64 = 100_000_000;
+    const RAYS_PER_SEED: u64 = 10_000;
+    let meshes = closed_meshes(&mut Random::new(1));
+    let trees: Vec<Bvh> = meshes.iter().map(|mesh| build(mesh, &BuildOptions::default())).collect();
+    let leaks = (0..RAYS / RAYS_PER_SEED).into_par_iter().filter_map(|seed| {
+        let mut random = Random::new(seed);
+        let index = seed as usize % meshes.len();
+        (0..RAYS_PER_SEED).find_map(|_| {
+            let ray = meshes[index].aimed_ray(&mut random);
+            let leaves = trees[index].intersect(&ray, &NoPrimitives).is_none();
+            leaves.then_some((meshes[index].scale, ray))
+        })
+    });
+    let leaks: Vec<_> = leaks.collect();
+    assert!(leaks.is_empty(), "rays that leave, with the scale of their mesh: {leaks:?}");
 }
 
 #[test]

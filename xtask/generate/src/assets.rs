@@ -1,12 +1,14 @@
-//! `cargo xtask assets`: makes the meshes, pictures and volumes that the scenes under `scenes/` use.
+//! `cargo xtask assets`: makes the meshes, pictures and volumes that the scenes under `scenes/` and
+//! the test scenes use.
 //!
-//! They are committed, so that a clone renders without this; `--check` says whether what is
-//! committed is what this makes.
+//! They are committed, so that a clone renders without this; `--check` fails where a committed file
+//! differs from what this makes.
 
 mod noise;
 mod paint;
 mod patch;
 mod pictures;
+mod reference_scenes;
 mod sculptures;
 mod volumes;
 
@@ -35,6 +37,14 @@ const fn asset(path: &'static str, make: fn() -> Vec<u8>) -> Asset {
 
 /// Every file.
 const ASSETS: &[Asset] = &[
+    asset("crates/cli/tests/references/scenes/assets/cloud.vol", reference_scenes::cloud),
+    asset("crates/cli/tests/references/scenes/assets/distance.vol", reference_scenes::distance),
+    asset(
+        "crates/cli/tests/references/scenes/assets/environment.exr",
+        reference_scenes::environment,
+    ),
+    asset("crates/cli/tests/references/scenes/assets/normals.png", reference_scenes::normals),
+    asset("crates/cli/tests/references/scenes/assets/tiles.png", reference_scenes::tiles),
     asset("scenes/plastics/backdrop.ply", sculptures::backdrop),
     asset("scenes/plastics/knot.ply", sculptures::knot),
     asset("scenes/rough-metals/backdrop.ply", sculptures::backdrop),

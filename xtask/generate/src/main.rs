@@ -1,5 +1,6 @@
-//! Makes the committed files that no hand writes: meshes and pictures of the scenes, the gallery,
-//! reference pages; and what other commands need of a scene. `cargo xtask` calls it.
+//! Developer commands that need the renderer: generated files (meshes and pictures of the scenes, the
+//! gallery, reference pages, references of tests), the comparison of two binaries, and a scene's
+//! triangles for benchmarks. `cargo xtask` calls it.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::disallowed_methods,
@@ -8,25 +9,32 @@
 )]
 
 mod assets;
+mod bits;
 mod docs;
 mod gallery;
+mod references;
 mod repository;
+mod test_scenes;
 mod triangles;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
-/// What to make.
+/// What to do.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
 enum Command {
     /// The meshes and pictures that the scenes use
     Assets(assets::Arguments),
+    /// The pictures of two binaries, compared bit by bit, and their times
+    Bits(bits::Arguments),
     /// The reference pages under docs/
     Docs(docs::Arguments),
     /// The pictures under gallery/
     Gallery(gallery::Arguments),
+    /// The references of the test scenes
+    References(references::Arguments),
     /// The triangles of a scene, for `bench rays`
     Triangles(triangles::Arguments),
 }
@@ -34,8 +42,10 @@ enum Command {
 fn main() -> ExitCode {
     let outcome = match Command::parse() {
         Command::Assets(arguments) => assets::run(&arguments),
+        Command::Bits(arguments) => bits::run(&arguments),
         Command::Docs(arguments) => docs::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
+        Command::References(arguments) => references::run(&arguments),
         Command::Triangles(arguments) => triangles::run(&arguments),
     };
     match outcome {

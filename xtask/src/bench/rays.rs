@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     /// How our hierarchy is built: fast, balanced, spatial
     #[arg(long, value_name = "NAME", default_value = "balanced")]
     preset: String,
-    /// Our hierarchy traces so many rays at a time, too, as the renderer does
+    /// Also trace this many rays at a time with our hierarchy, as the renderer does
     #[arg(long, value_name = "COUNT")]
     batch: Option<usize>,
     #[command(flatten)]
@@ -50,9 +50,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
         None => None,
     };
     let triangles = triangles_of(&root().join(&arguments.scene))?;
-    let example = ["run", "--quiet", "--release", "--package", "etendue-bvh", "--example", "rays"];
+    let bench = ["bench", "--quiet", "--package", "etendue-bvh", "--bench", "rays"];
     let mut command = cargo();
-    command.args(example).arg("--").arg(&triangles);
+    command.args(bench).arg("--").arg(&triangles);
     command.args(["--rounds", &arguments.rounds.to_string(), "--preset", &arguments.preset]);
     if let Some(library) = &library {
         command.arg("--embree").arg(library);
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
     keep::text("rays", &String::from_utf8_lossy(&output.stdout), &arguments.keeping)
 }
 
-/// Makes the file of a scene's triangles, below `target`.
+/// Writes the file of a scene's triangles, below `target`.
 fn triangles_of(scene: &Path) -> Result<PathBuf, String> {
     let folder = root().join("target/bench");
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;

@@ -1,8 +1,6 @@
 //! `cargo xtask bench scale`: rate and memory by the number of triangles and of instances, of the
 //! tree alone and of whole renders, which must keep within two limits.
 
-use std::process::Command;
-
 use clap::Parser;
 use serde_json::{Value, json};
 
@@ -10,7 +8,7 @@ use super::generated::{self, Kind};
 use super::keep::{self, SavedRun};
 use super::process::{self, Figures, Job};
 use crate::etendue;
-use crate::workspace::{cargo, root};
+use crate::workspace::cargo;
 
 /// Generated scenes of growing size, on one thread and on two: the tree alone, and whole renders by
 /// the command line. Fails where ten million triangles take more than 1.5 GB at the peak, or a million
@@ -60,9 +58,8 @@ const TREE_COLUMNS: [(&str, &str); 5] = [
 
 /// The tree alone: a process for each row, so that its peak is its own.
 fn trees(arguments: &Arguments) -> Result<Vec<Value>, String> {
-    let build = ["build", "--quiet", "--release", "--package", "etendue-bvh", "--example", "scale"];
-    super::rays::check(cargo().args(build))?;
-    let program = root().join("target/release/examples/scale");
+    let bench = ["bench", "--quiet", "--package", "etendue-bvh", "--bench", "scale"];
+    super::rays::check(cargo().args(bench).arg("--no-run"))?;
     let table = arguments.keeping.shows_table();
     if table {
         head("tree alone", &TREE_COLUMNS.map(|(title, _)| title));
@@ -70,8 +67,8 @@ fn trees(arguments: &Arguments) -> Result<Vec<Value>, String> {
     let mut rows = Vec::new();
     for (kind, count, _) in cases(arguments.most) {
         for threads in THREADS {
-            let mut command = Command::new(&program);
-            command.args([kind.name(), &count.to_string(), &threads.to_string()]);
+            let mut command = cargo();
+            command.args(bench).args(["--", kind.name(), &count.to_string(), &threads.to_string()]);
             let printed = etendue::output(&mut command)?;
             let figures: Vec<f64> =
                 printed.split_whitespace().filter_map(|word| word.parse().ok()).collect();

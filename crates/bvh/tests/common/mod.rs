@@ -163,7 +163,7 @@ fn subdivide(positions: &mut Vec<Vec3>, indices: &[[u32; 3]]) -> Vec<[u32; 3]> {
     finer
 }
 
-/// The meshes that the tests of watertightness and the example `leaks` aim at.
+/// The meshes that the tests of watertightness aim at.
 pub(crate) fn closed_meshes(random: &mut Random) -> Vec<ClosedMesh> {
     let mut meshes = Vec::new();
     for (scale, distance) in [

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::run::{Outcome, Workplace};
+use crate::run::{Outcome, Workplace, binary};
 
 /// More time than this is a hang, even for an unoptimised build on a busy machine.
 const TIME_LIMIT: Duration = Duration::from_secs(10);
@@ -117,11 +117,11 @@ impl Case {
 
 /// Runs the command; where there is a shell, with a limit on its address space.
 pub(crate) fn run_in_little_memory(folder: &Path, arguments: &[&str]) -> Outcome {
-    let binary = env!("CARGO_BIN_EXE_etendue");
+    let binary = binary();
     let mut command = if cfg!(target_os = "linux") {
         let mut shell = Command::new("sh");
         let script = format!("ulimit -v {MEMORY_LIMIT}; exec \"$0\" \"$@\"");
-        shell.args(["-c", &script, binary]);
+        shell.args(["-c", &script]).arg(binary);
         shell
     } else {
         Command::new(binary)

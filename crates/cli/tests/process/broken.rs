@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-use crate::run::{Outcome, Workplace, test_file};
+use crate::run::{Outcome, Workplace, binary, test_file};
 
 /// One scene of the folder `broken`.
 struct Case {
@@ -118,7 +118,7 @@ fn promises_of_headers_take_no_memory() {
     for name in scenes {
         let workplace = Workplace::new();
         let scene = test_file(&format!("broken/{name}.xml"));
-        let binary = env!("CARGO_BIN_EXE_etendue");
+        let binary = binary().display().to_string();
         // Half a gigabyte of address space; an allocation beyond it would abort the process.
         let script = format!("ulimit -v 524288; exec '{binary}' render '{scene}' -t 2");
         let mut command = std::process::Command::new("sh");

@@ -5,7 +5,7 @@ use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::run::{Outcome, Workplace, small_scene};
+use crate::run::{Outcome, Workplace, binary, small_scene};
 
 const CHECKPOINT: &str = "a.pfm.checkpoint";
 
@@ -158,7 +158,7 @@ fn run_with_little_room(workplace: &Workplace, blocks: &str, arguments: &[&str])
     let mut command = std::process::Command::new("sh");
     command.current_dir(workplace.path("")).stdin(Stdio::null());
     command.args(["-c", "trap '' XFSZ; ulimit -f \"$0\"; exec \"$@\"", blocks]);
-    command.arg(env!("CARGO_BIN_EXE_etendue")).args(arguments).output().unwrap().into()
+    command.arg(binary()).args(arguments).output().unwrap().into()
 }
 
 #[cfg(unix)]

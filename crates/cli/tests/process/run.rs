@@ -6,6 +6,12 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+/// The command under test: the one that Cargo has built, or the one that the environment variable
+/// `ETENDUE` names, so that an optimised or an installed one can be tested.
+pub(crate) fn binary() -> PathBuf {
+    std::env::var_os("ETENDUE").map_or_else(|| env!("CARGO_BIN_EXE_etendue").into(), PathBuf::from)
+}
+
 /// A folder that is the command's working directory and goes away with the value.
 pub(crate) struct Workplace {
     folder: TempDir,
@@ -34,7 +40,7 @@ impl Workplace {
 
     /// The command in this folder, without a terminal.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_etendue"));
+        let mut command = Command::new(binary());
         command.current_dir(self.folder.path()).args(arguments);
         command.stdin(Stdio::null()).env_remove("NO_COLOR");
         command

@@ -1,25 +1,32 @@
-//! Volumes, made of noise.
+//! Volumes.
 
 use super::noise::{fractal_solid, step};
 
 /// Cells along x, y and z.
 const SIZE: [u32; 3] = [40, 64, 40];
 
-/// A plume of smoke that rises along y and widens, in Mitsuba's format for grids.
+/// A plume of smoke that rises along y and widens.
 pub(super) fn smoke() -> Vec<u8> {
+    grid_file(SIZE, |[x, y, z]| density(x, y, z))
+}
+
+/// A file in Mitsuba's format for grids, of values at the middles of cells of the unit cube.
+pub(super) fn grid_file(size: [u32; 3], value: impl Fn([f64; 3]) -> f32) -> Vec<u8> {
     let mut bytes = b"VOL\x03".to_vec();
-    for number in [1, SIZE[0], SIZE[1], SIZE[2], 1] {
+    for number in [1, size[0], size[1], size[2], 1] {
         bytes.extend(number.to_le_bytes());
     }
     for bound in [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0] {
         bytes.extend(bound.to_le_bytes());
     }
-    let middle = |cell: u32, axis: usize| (f64::from(cell) + 0.5) / f64::from(SIZE[axis]);
-    for z in 0..SIZE[2] {
-        for y in 0..SIZE[1] {
-            for x in 0..SIZE[0] {
-                let value = density(middle(x, 0), middle(y, 1), middle(z, 2));
-                bytes.extend(value.to_le_bytes());
+    for z in 0..size[2] {
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let cell = [x, y, z].into_iter().zip(size);
+                let middle: Vec<f64> = cell
+                    .map(|(index, count)| (f64::from(index) + 0.5) / f64::from(count))
+                    .collect();
+                bytes.extend(value([middle[0], middle[1], middle[2]]).to_le_bytes());
             }
         }
     }

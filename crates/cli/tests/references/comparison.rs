@@ -1,0 +1,168 @@
+//! A rendered picture beside its reference: what differs, and by how much more than noise explains.
+
+use std::path::Path;
+
+use etendue::image::metrics::{
+    BlockThresholds, Estimate, block_test, mean_difference, relative_mse,
+};
+use etendue::image::{ColorImage, EncodeOptions, FileFormat, Picture, decode_exr_layers, encode};
+
+use crate::trial::output;
+use crate::z_test;
+
+/// A picture and the variance of each of its pixels' means.
+#[derive(Clone)]
+pub(crate) struct Measured {
+    pub(crate) mean: ColorImage,
+    pub(crate) variance: ColorImage,
+}
+
+/// How two pictures differ.
+#[derive(Debug)]
+pub(crate) struct Difference {
+    /// The relative difference of means, in percent, of the channel where it is largest.
+    pub(crate) mean: f64,
+    /// The difference of means in its standard errors, of the channel where it is largest.
+    pub(crate) mean_errors: f64,
+    /// The share of blocks of 8×8 pixels, in percent, that are off by both four standard errors and
+    /// 2 %.
+    pub(crate) blocks: f64,
+    /// The share of pixels' channels, in percent, that pass the z-test.
+    pub(crate) accepted: f64,
+}
+
+/// What a difference may be.
+pub(crate) struct Limits {
+    pub(crate) mean: f64,
+    pub(crate) mean_errors: f64,
+    pub(crate) blocks: f64,
+    /// The least, where the others are the most.
+    pub(crate) accepted: f64,
+}
+
+impl Limits {
+    /// No limits, to be replaced by some.
+    pub(crate) const NONE: Self = Self {
+        mean: f64::INFINITY,
+        mean_errors: f64::INFINITY,
+        blocks: f64::INFINITY,
+        accepted: 0.0,
+    };
+}
+
+/// Reads an EXR file.
+pub(crate) fn read(path: &Path) -> Result<Picture, String> {
+    let message = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let bytes = std::fs::read(path).map_err(|error| message(&error))?;
+    decode_exr_layers(&bytes).map_err(|error| message(&error))
+}
+
+/// The colours of an EXR file.
+pub(crate) fn read_colors(path: &Path) -> Result<ColorImage, String> {
+    read(path)?.to_color_image().map_err(|error| error.to_string())
+}
+
+/// The image whose values are those of another one, mapped.
+pub(crate) fn map(image: &ColorImage, value: impl Fn(f32) -> f32) -> ColorImage {
+    let pixels = image.pixels.iter().map(|pixel| pixel.map(&value)).collect();
+    ColorImage { width: image.width, height: image.height, pixels }
+}
+
+impl Measured {
+    /// Reads what `etendue render --variance` has written.
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+        let picture = read(path)?;
+        let mean = picture.to_color_image().map_err(|error| error.to_string())?;
+        let variance = layer(&picture, "variance")
+            .ok_or_else(|| format!("{} has no variances", path.display()))?;
+        Ok(Self { mean, variance })
+    }
+
+    /// Compares with a reference; pixels that never varied are taken to vary by `least_variance`.
+    pub(crate) fn compare(
+        &self,
+        reference: &Self,
+        least_variance: f64,
+    ) -> Result<(Difference, ColorImage), String> {
+        let text = |error: etendue::image::ImageError| error.to_string();
+        let means = mean_difference(&self.mean, &reference.mean).map_err(text)?;
+        if means.absolute.non_finite > 0 {
+            return Err(format!("{} pixels are not finite", means.absolute.non_finite));
+        }
+        let thresholds =
+            BlockThresholds { relative_difference: 0.02, ..BlockThresholds::default() };
+        let blocks =
+            block_test(self.estimate(), reference.estimate(), &thresholds).map_err(text)?;
+        let test = z_test::test(self, reference, least_variance)?;
+        let largest = |values: [f64; 3]| values.into_iter().map(f64::abs).fold(0.0, f64::max);
+        let errors = mean_standard_errors(self, reference, least_variance);
+        let in_errors = std::array::from_fn(|channel| means.signed[channel] / errors[channel]);
+        let difference = Difference {
+            mean: 100.0 * largest(means.relative),
+            mean_errors: largest(in_errors),
+            blocks: 100.0 * blocks.share(),
+            accepted: 100.0 * test.accepted,
+        };
+        Ok((difference, test.p_values))
+    }
+
+    fn estimate(&self) -> Estimate<'_> {
+        Estimate { mean: &self.mean, variance: &self.variance }
+    }
+}
+
+/// Three channels `NAME.R`, `NAME.G` and `NAME.B` as one image.
+pub(crate) fn layer(picture: &Picture, name: &str) -> Option<ColorImage> {
+    let [red, green, blue] = ["R", "G", "B"].map(|end| picture.channel(&format!("{name}.{end}")));
+    let colors = red?.data.iter().zip(&green?.data).zip(&blue?.data);
+    let pixels = colors.map(|((&red, &green), &blue)| [red, green, blue]).collect();
+    Some(ColorImage { width: picture.width, height: picture.height, pixels })
+}
+
+/// The standard error of the difference of the two pictures' means, for each channel.
+fn mean_standard_errors(picture: &Measured, reference: &Measured, least_variance: f64) -> [f64; 3] {
+    let pairs = picture.variance.pixels.iter().zip(&reference.variance.pixels);
+    let mut sums = [0.0; 3];
+    for (own, other) in pairs {
+        for channel in 0..3 {
+            let sum = f64::from(own[channel]) + f64::from(other[channel]);
+            sums[channel] += sum.max(least_variance);
+        }
+    }
+    sums.map(|sum| sum.sqrt() / picture.mean.pixels.len() as f64)
+}
+
+impl Difference {
+    /// Whether all of it is within limits; NaN never is.
+    pub(crate) fn is_within(&self, limits: &Limits) -> bool {
+        self.mean <= limits.mean
+            && self.mean_errors <= limits.mean_errors
+            && self.blocks <= limits.blocks
+            && self.accepted >= limits.accepted
+    }
+}
+
+/// Compares a picture with its reference; beyond the limits, leaves pictures behind and says where.
+pub(crate) fn check(
+    trial: &str,
+    [picture, reference]: [&Measured; 2],
+    least_variance: f64,
+    limits: &Limits,
+) -> Result<Difference, String> {
+    let (difference, p_values) = picture.compare(reference, least_variance)?;
+    if difference.is_within(limits) {
+        return Ok(difference);
+    }
+    let text = |error: etendue::image::ImageError| error.to_string();
+    let error = relative_mse(&picture.mean, &reference.mean).map_err(text)?;
+    let pictures = [
+        ("_reference.png", Picture::from_color_image(&reference.mean)),
+        ("_p-values.png", Picture::from_color_image(&p_values)),
+        ("_difference.png", error.to_picture(error.quantile(0.99))),
+    ];
+    for (suffix, shown) in pictures {
+        let bytes = encode(&shown, FileFormat::Png, &EncodeOptions::default()).map_err(text)?;
+        std::fs::write(output(trial, suffix)?, bytes).map_err(|error| error.to_string())?;
+    }
+    Err(format!("{difference:.4?}; see {}", output(trial, "*")?.display()))
+}
