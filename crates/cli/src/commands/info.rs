@@ -1,10 +1,11 @@
-//! `etendue info`: what a scene consists of.
+//! `etendue info`: what a scene consists of, and what program and machine read it.
 
 use std::path::PathBuf;
 
 use clap::Args;
+use etendue::bvh::Tier;
 use etendue::scene::SensorSetup;
-use etendue::{Loaded, LoadedScene};
+use etendue::{Loaded, LoadedScene, Workers};
 use serde_json::{Value, json};
 
 use super::scene::SceneArguments;
@@ -15,9 +16,9 @@ use crate::{diagnostics, terminal};
 /// What is shown, and how.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// The scene file
+    /// The scene file; without one, the program and the machine alone are shown
     #[arg(value_name = "SCENE")]
-    path: PathBuf,
+    path: Option<PathBuf>,
     /// Write JSON, for other programs
     #[arg(long)]
     json: bool,
@@ -25,21 +26,55 @@ pub(crate) struct Arguments {
     scene: SceneArguments,
 }
 
-/// Loads a scene and shows what is in it.
+/// Shows the program, and what is in the scene if there is one.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let workers = arguments.scene.workers()?;
-    let loaded = arguments.scene.load(&arguments.path, &workers)?;
+    let program = program(&workers);
+    let Some(path) = &arguments.path else {
+        let shown = if arguments.json {
+            format!("{:#}\n", json!({ "program": program_as_json(&program) }))
+        } else {
+            rows_as_text(&program)
+        };
+        terminal::result(&shown)?;
+        return Ok(Status::Fine);
+    };
+    let loaded = arguments.scene.load(path, &workers)?;
     diagnostics::show(&loaded.diagnostics, arguments.scene.detail());
     let Some(content) = &loaded.content else {
         return Ok(Status::BadInput);
     };
     let shown = if arguments.json {
-        format!("{:#}\n", as_json(&loaded, content))
+        let mut shown = as_json(&loaded, content);
+        shown["program"] = program_as_json(&program);
+        format!("{shown:#}\n")
     } else {
-        as_text(&loaded, content)
+        rows_as_text(&program) + &as_text(&loaded, content)
     };
     terminal::result(&shown)?;
     Ok(Status::Fine)
+}
+
+/// A name and what it stands for.
+type Row = (&'static str, String);
+
+/// What reports of mistakes should name: the version, the machine, and how the program uses it.
+fn program(workers: &Workers) -> [Row; 4] {
+    let profile = if cfg!(debug_assertions) { " (debug)" } else { "" };
+    [
+        ("version", format!("{}{profile}", env!("CARGO_PKG_VERSION"))),
+        ("target", format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS)),
+        ("simd", format!("{:?}", Tier::detect()).to_lowercase()),
+        ("threads", workers.thread_count().to_string()),
+    ]
+}
+
+fn program_as_json(program: &[Row]) -> Value {
+    program.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect()
+}
+
+fn rows_as_text(rows: &[Row]) -> String {
+    rows.iter().map(|(name, value)| format!("{name:<10} {value}\n")).collect()
 }
 
 fn as_text(loaded: &Loaded, content: &LoadedScene) -> String {
@@ -77,7 +112,7 @@ fn as_text(loaded: &Loaded, content: &LoadedScene) -> String {
         ),
         ("findings", diagnostics::summary(&loaded.diagnostics)),
     ];
-    rows.iter().map(|(name, value)| format!("{name:<10} {value}\n")).collect()
+    rows_as_text(&rows)
 }
 
 fn point(point: impl Into<[f32; 3]>) -> String {

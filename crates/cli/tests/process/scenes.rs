@@ -68,6 +68,17 @@ fn info_counts_what_is_there() {
 }
 
 #[test]
+fn info_without_a_scene_shows_the_program() {
+    let outcome = Workplace::new().succeed(&["info", "-t", "3"]);
+    let names = outcome.stdout.lines().map(|line| line.split(' ').next().unwrap());
+    assert!(names.eq(["version", "target", "simd", "threads"]), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("threads    3\n"), "{}", outcome.stdout);
+    let outcome = Workplace::new().succeed(&["info", "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(info["program"]["version"], env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
 fn info_speaks_json() {
     let workplace = Workplace::new();
     let outcome = workplace.succeed(&["info", &small_scene(), "--json"]);
