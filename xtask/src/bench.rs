@@ -136,7 +136,7 @@ struct Measured {
     rate: f64,
     /// Until the first sample; for Etendue also what it takes to start the process.
     load_seconds: f64,
-    /// The most memory that the process ever had.
+    /// The peak memory of the process.
     peak_megabytes: f64,
 }
 
@@ -179,7 +179,7 @@ fn measure(scene: &Scene, folder: &Path, threads: u32) -> Result<Measured, Strin
     })
 }
 
-/// The middle of some numbers, if there are any; the upper one of the two in the middle.
+/// The median, which is the upper of two middle values; `None` without any values.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()

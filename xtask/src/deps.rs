@@ -96,7 +96,7 @@ struct Edge {
     in_tests: bool,
 }
 
-/// Compares the manifests with the table; prints what does not fit.
+/// Compares the manifests with the table; prints every violation.
 pub(crate) fn run(_arguments: &[String]) -> bool {
     let problems = match read_edges() {
         Ok((crates, edges)) => find_problems(&crates, &edges),

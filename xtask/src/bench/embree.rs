@@ -8,8 +8,8 @@ use crate::workspace::root;
 /// The version that figures are quoted for.
 const VERSION: &str = "embreex==4.4.0";
 
-/// Fetches the library unless it is there; returns its path. The thread library that it needs is
-/// beside it.
+/// Fetches the library unless it is there; returns its path. The thread library it needs lies beside
+/// it.
 pub(super) fn install() -> Result<PathBuf, String> {
     let folder = root().join("target/bench/embree");
     if let Some(library) = find(&folder) {

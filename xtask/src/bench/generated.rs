@@ -35,8 +35,8 @@ impl Kind {
     }
 }
 
-/// Writes a scene with so many triangles or instances, but for what is missing to a full grid, and
-/// its mesh into a folder; returns the scene file.
+/// Writes a scene with this many triangles or instances, rounded down to a full grid, and its mesh
+/// into a folder; returns the scene file.
 pub(super) fn write(folder: &Path, kind: Kind, count: usize) -> Result<PathBuf> {
     let path = folder.join(format!("{}.xml", kind.name()));
     let mut scene = BufWriter::new(File::create(&path)?);

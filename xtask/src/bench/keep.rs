@@ -1,17 +1,17 @@
-//! Where figures go: a table for people, JSON for programs, a folder of `benches/runs` to be kept.
+//! Where figures go: a table for people, JSON for programs, a folder of `benches/runs` for the record.
 
 use clap::Args;
 use serde_json::Value;
 
 use crate::workspace::root;
 
-/// What becomes of the figures.
+/// How the figures are output.
 #[derive(Debug, Args)]
 pub(super) struct SavedRun {
-    /// Prints JSON, for programs, in place of a table
+    /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
-    /// Keeps the figures as JSON below benches/runs, in a folder named by day and machine, such as
+    /// Also store the figures as JSON below benches/runs, in a folder named by day and machine, such as
     /// 2026-11-22-amd-epyc-zen5
     #[arg(long, value_name = "FOLDER", value_parser = folder_name)]
     keep: Option<String>,
@@ -23,13 +23,13 @@ impl SavedRun {
         self.json || self.keep.is_some()
     }
 
-    /// Whether people read along.
+    /// Whether the table is printed.
     pub(super) fn shows_table(&self) -> bool {
         !self.json
     }
 }
 
-/// A name of a folder, not a path that leads elsewhere.
+/// A folder name, not a path.
 fn folder_name(name: &str) -> Result<String, String> {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if !name.is_empty() && name.chars().all(is_plain) {
@@ -38,7 +38,7 @@ fn folder_name(name: &str) -> Result<String, String> {
     Err("a name of letters, digits and hyphens is expected".to_owned())
 }
 
-/// Prints and keeps the figures of the benchmark `name` as they are wanted.
+/// Prints and stores the figures of the benchmark `name` as requested.
 pub(super) fn finish(name: &str, figures: &Value, keeping: &SavedRun) -> Result<(), String> {
     let json = serde_json::to_string_pretty(figures).map_err(|error| error.to_string())? + "\n";
     text(name, &json, keeping)
@@ -55,7 +55,7 @@ pub(super) fn text(name: &str, text: &str, keeping: &SavedRun) -> Result<(), Str
     let message = |error: std::io::Error| format!("{}: {error}", path.display());
     std::fs::create_dir_all(&folder).map_err(message)?;
     std::fs::write(&path, text).map_err(message)?;
-    eprintln!("kept as {}; the page beside it reads it", path.display());
+    eprintln!("stored as {}", path.display());
     Ok(())
 }
 

@@ -16,7 +16,7 @@ const VARIANT: &str = "llvm_ad_rgb";
 /// Times one scene; the arguments are described at its head.
 const SCRIPT: &str = include_str!("mitsuba.py");
 
-/// Installs the peer unless it is there; returns its Python interpreter.
+/// Installs the peer unless it is installed; returns its Python interpreter.
 pub(super) fn install() -> Result<PathBuf, String> {
     let folder = root().join("target/bench/mitsuba");
     let python = folder.join("bin/python");

@@ -1,5 +1,4 @@
-//! `etendue render` as a process of its own: how long it takes, how fast it is, how much memory it
-//! needs.
+//! `etendue render` as a separate process: its time, rate and memory.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -30,23 +29,23 @@ pub(super) struct Job<'a> {
 pub(super) struct Figures {
     /// From the start of the process to its end, in seconds.
     pub(super) wall_seconds: f64,
-    /// From the start of the process until it said that it begins to render.
+    /// From the start of the process until it reported that rendering starts.
     pub(super) load_seconds: f64,
-    /// While it rendered, loading left out.
+    /// While rendering, without loading.
     pub(super) samples_per_second: f64,
-    /// The most memory that it ever had, as the system counts it: the program itself, which is mapped,
-    /// is part of it. Not a number where the system does not say it.
+    /// Peak memory as the system counts it, with the mapped program itself. NaN where the system does
+    /// not report it.
     pub(super) peak_megabytes: f64,
 }
 
-/// A render that goes on.
+/// A running render.
 pub(super) struct Running {
     child: Child,
     started: Instant,
     picture: PathBuf,
 }
 
-/// Starts a render; its picture, of no interest, is called `name` meanwhile.
+/// Starts a render. Its picture, called `name`, is deleted at the end.
 pub(super) fn start(job: &Job<'_>, name: &str) -> Result<Running, String> {
     let picture = etendue::folder("bench")?.join(format!("{name}.pfm"));
     let [width, height] = job.size;
@@ -72,8 +71,8 @@ impl Running {
         let status = format!("/proc/{}/status", self.child.id());
         let mut peak_megabytes = f64::NAN;
         let outcome = loop {
-            // The system forgets the peak with the process: the last look counts. (Polling, because
-            // the standard library does not tell what a child used.)
+            // The system discards the peak with the process, so the last reading counts. (Polled,
+            // because the standard library does not report what a child used.)
             peak_megabytes = self::peak_megabytes(&status).unwrap_or(peak_megabytes);
             if let Some(outcome) = self.child.try_wait().map_err(|error| error.to_string())? {
                 break outcome;
@@ -82,25 +81,25 @@ impl Running {
         };
         let wall_seconds = self.started.elapsed().as_secs_f64();
         let _ = std::fs::remove_file(&self.picture);
-        let news = listener.join().map_err(|_| "the news were lost")??;
+        let news = listener.join().map_err(|_| "the listener panicked")??;
         if !outcome.success() {
             return Err(format!("the scene does not render: {outcome}"));
         }
-        let samples_per_second =
-            rate(&news.text).ok_or_else(|| format!("the render tells no rate:\n{}", news.text))?;
+        let samples_per_second = rate(&news.text)
+            .ok_or_else(|| format!("the render reports no rate:\n{}", news.text))?;
         let load_seconds = news.first_after.as_secs_f64();
         Ok(Figures { wall_seconds, load_seconds, samples_per_second, peak_megabytes })
     }
 }
 
-/// What a render has told of itself.
+/// The events that a render has reported.
 struct News {
     /// When the first line came, which says that the render begins.
     first_after: Duration,
     text: String,
 }
 
-/// Hears a render to the end.
+/// Reads events until the render ends.
 fn listen(news: impl Read, started: Instant) -> Result<News, String> {
     let mut news = BufReader::new(news);
     let mut text = String::new();
@@ -116,7 +115,7 @@ fn rate(news: &str) -> Option<f64> {
     news.lines().rev().find_map(rate)
 }
 
-/// The most memory that a process ever had, where Linux says it.
+/// The peak memory of a process; `None` on systems other than Linux.
 fn peak_megabytes(status: &str) -> Option<f64> {
     let status = std::fs::read_to_string(status).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

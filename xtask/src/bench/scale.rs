@@ -15,13 +15,13 @@ use crate::workspace::cargo;
 /// instances more than 500 MB.
 #[derive(Debug, Parser)]
 pub(super) struct Arguments {
-    /// No more triangles or instances than this
+    /// At most this many triangles or instances
     #[arg(long, value_name = "COUNT", default_value_t = 10_000_000)]
     most: usize,
-    /// The tree alone, without whole renders
+    /// Only the tree, without whole renders
     #[arg(long, conflicts_with = "renders_only")]
     tree_only: bool,
-    /// Whole renders alone
+    /// Only whole renders
     #[arg(long)]
     renders_only: bool,
     #[command(flatten)]
@@ -126,7 +126,7 @@ fn renders(arguments: &Arguments, broken: &mut Vec<String>) -> Result<Vec<Value>
     Ok(rows)
 }
 
-/// Every number of things that is wanted, with its limit in megabytes if it has one.
+/// Every requested count, with its limit in megabytes if it has one.
 fn cases(most: usize) -> impl Iterator<Item = (Kind, usize, Option<f64>)> {
     SERIES.into_iter().flat_map(move |(kind, counts, limit)| {
         let wanted = counts.iter().filter(move |&&count| count <= most);
@@ -134,7 +134,7 @@ fn cases(most: usize) -> impl Iterator<Item = (Kind, usize, Option<f64>)> {
     })
 }
 
-/// What is to be said of a peak; one that is not known keeps no limit.
+/// The message for a peak beyond its limit. An unknown peak is beyond any limit.
 fn exceeded(peak: f64, limit: Option<f64>, kind: Kind, count: usize) -> Option<String> {
     let limit = limit?;
     let is_kept = peak <= limit;

@@ -7,11 +7,11 @@ pub(super) struct Scene {
     pub(super) path: &'static str,
     /// Width and height in pixels.
     pub(super) size: [u32; 2],
-    /// Two numbers of samples per pixel, the time between which is what is measured.
+    /// Two numbers of samples per pixel; the difference of their times is measured.
     pub(super) counts: [u32; 2],
 }
 
-/// Every scene, with some two seconds between its two numbers of samples on two threads.
+/// Every scene. The two numbers of samples are about two seconds apart on two threads.
 pub(super) const SCENES: [Scene; 4] = [
     Scene { name: "cornellbox1", path: "cornellbox1.xml", size: [256, 256], counts: [16, 96] },
     Scene { name: "coffee", path: "coffee/scene.xml", size: [480, 270], counts: [8, 48] },

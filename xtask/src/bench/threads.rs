@@ -10,9 +10,8 @@ use super::process::{self, Job};
 use crate::etendue;
 use crate::workspace::root;
 
-/// Renders a scene on two threads, and twice at once on one thread each, in turn. What two threads do
-/// of what two processes do is what they lose to each other: waiting, shared lines of memory, an
-/// end at which one has nothing to do.
+/// Renders a scene on two threads, and in turn as two simultaneous renders on one thread each. The ratio
+/// of the rates shows what threads lose to each other: waiting, shared cache lines, idle time at the end.
 #[derive(Debug, Parser)]
 pub(super) struct Arguments {
     /// The scene
