@@ -1,11 +1,11 @@
 #!/bin/sh
-# Runs every target for some seconds, several at a time, and says what each has done.
+# Runs every target for some seconds, several at a time, and summarises each.
 #
 #     run-all.sh [SECONDS [TARGETS AT A TIME]]
 #
-# It needs, beside itself: `any` (cargo fuzz build any; see README.md) and the folders `seeds` and
-# `dictionaries`. It writes `work/TARGET` (what the fuzzer has come to know), `found/TARGET` (inputs that
-# failed), `logs`, and `summary.txt`.
+# Needs beside it: `any` (cargo fuzz build any; see README.md) and the folders `seeds` and
+# `dictionaries`. Writes `work/TARGET` (the corpus), `found/TARGET` (inputs that failed), `logs`, and
+# `summary.txt`.
 set -u
 cd "$(dirname "$0")" || exit 1
 seconds=${1:-600}

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Gathers seeds for every target below fuzz/seeds from what the repository holds: test corpora,
-# scenes, pictures. Needs the built `etendue` command for pictures and checkpoints.
+# Gathers seeds for every target below fuzz/seeds from the repository: test corpora, scenes, pictures.
+# Needs the built `etendue` command for pictures and checkpoints.
 set -eu
 cd "$(dirname "$0")/.."
 etendue=${ETENDUE:-target/release/etendue}
@@ -54,7 +54,7 @@ done
 "$etendue" render $scene --quiet --resume=never --size 9x5 --variance -o "$seeds/checkpoint/whole.part"
 "$etendue" render $scene --quiet --resume=never --size 3x2 --samples 1..3 -o "$seeds/checkpoint/some.part"
 
-# Volumes, Targa: the least that is right.
+# The smallest valid volume and Targa files.
 # shellcheck disable=SC1003 # a backslash
 printf 'VOL\003\001\0\0\0\002\0\0\0\001\0\0\0\001\0\0\0\001\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200?\0\0\200?\0\0\200?\0\0\0?\0\0\200?' \
     >"$seeds/vol/two_cells.vol"

@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 static TARGET: LazyLock<targets::Target> = LazyLock::new(|| {
     let wanted = std::env::var("ETENDUE_TARGET").unwrap_or_default();
     let found = targets::ALL.iter().find(|(name, _)| *name == wanted);
-    found.unwrap_or_else(|| panic!("ETENDUE_TARGET=`{wanted}` is no target")).1
+    found.unwrap_or_else(|| panic!("ETENDUE_TARGET=`{wanted}` is not a target")).1
 });
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| TARGET(bytes));

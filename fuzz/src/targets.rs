@@ -1,9 +1,9 @@
-//! What is done with hostile bytes. Each function must come to an end soon, whatever they are,
-//! without a panic and without much memory; what it says about them does not matter.
+//! What the fuzz targets do with hostile bytes. Whatever the bytes are, each function must return soon,
+//! without a panic and within little memory; its result does not matter.
 //!
-//! The fuzz targets call these, and so does the test that replays what they have found
+//! The test that replays findings calls these functions, too
 //! (`crates/etendue/tests/fuzz_findings.rs`).
-#![allow(dead_code, reason = "every target uses its own function alone")]
+#![allow(dead_code, reason = "every target uses one function")]
 #![allow(unexpected_cfgs, reason = "`cargo fuzz` sets `fuzzing`")]
 
 use std::path::{Path, PathBuf};
@@ -19,10 +19,10 @@ use etendue::{
     Cancel, FilmFile, RenderJob, RenderOptions, SceneOptions, Silent, Workers, load_text,
 };
 
-/// Does something with bytes.
+/// Reads bytes.
 pub(crate) type Target = fn(&[u8]);
 
-/// Every target, by the name of its folder of seeds.
+/// Every target, with the name of its folder of seeds.
 pub(crate) const ALL: &[(&str, Target)] = &[
     ("xml", xml),
     ("obj", obj),
@@ -41,13 +41,13 @@ pub(crate) const ALL: &[(&str, Target)] = &[
     ("scene", scene),
 ];
 
-/// What pictures may take here: enough for everything to be tried, and little enough to be quick.
+/// Limits for pictures: enough to reach all code, and little enough to be quick.
 const LIMITS: Limits = Limits { samples: 1 << 20, bytes: 4 << 20 };
 
-/// What sums may take here.
+/// The memory limit for film sums.
 const SUMS_LIMIT: u64 = 64 << 20;
 
-/// A scene's text becomes a document, as a file (of any encoding) and as a text.
+/// Reads a scene into a document, as a file of any encoding and as text.
 pub(crate) fn xml(bytes: &[u8]) {
     let resources = MemoryResources::default().with("/scene.xml", bytes);
     let options = LoadOptions::default();
@@ -75,7 +75,7 @@ pub(crate) fn serialized(bytes: &[u8]) {
     }
 }
 
-/// A volume on a grid, in the smoke of a scene.
+/// A volume on a grid, as the density of a medium.
 pub(crate) fn vol(bytes: &[u8]) {
     const SCENE: &str = r#"<scene version="3.0.0">
         <integrator type="volpath"><integer name="max_depth" value="4"/></integrator>
@@ -93,7 +93,7 @@ pub(crate) fn vol(bytes: &[u8]) {
     build_and_render(SCENE, &MemoryResources::default().with("/a.vol", bytes));
 }
 
-/// A checkpoint or part, as it is and with the checksum put right.
+/// A checkpoint or part, as it is and with a corrected checksum.
 pub(crate) fn checkpoint(bytes: &[u8]) {
     read_checkpoint(bytes);
     let content = &bytes[..bytes.len().saturating_sub(blake3::OUT_LEN)];
@@ -101,7 +101,7 @@ pub(crate) fn checkpoint(bytes: &[u8]) {
     read_checkpoint(&[content, checksum.as_bytes()].concat());
 }
 
-/// Reads sums, and does with them what `merge` does.
+/// Reads sums and treats them as `merge` does.
 fn read_checkpoint(bytes: &[u8]) {
     let read = |bytes: &[u8]| {
         let mut input = bytes;
@@ -112,7 +112,7 @@ fn read_checkpoint(bytes: &[u8]) {
     let Some((file, mut film)) = read(bytes) else { return };
     film.develop(Channels { alpha: true, variance: true });
     let mut again = Vec::new();
-    film.write(&file.record, &mut again).expect("memory takes every byte");
+    film.write(&file.record, &mut again).expect("a vector accepts every byte");
     let (_, other) = read(&again).expect("what is written can be read");
     let _ = film.merge(&other);
     film.develop(Channels { alpha: true, variance: true });
@@ -120,7 +120,7 @@ fn read_checkpoint(bytes: &[u8]) {
 
 /// An OpenEXR file, as a picture and as layers. Panics of the `exr` crate are caught by ours.
 pub(crate) fn exr(bytes: &[u8]) {
-    // The fuzzer would end at a panic that is caught, too; those that are not still end it.
+    // The fuzzer's hook would abort at panics that are caught. Uncaught ones still end the process.
     #[cfg(fuzzing)]
     std::panic::set_hook(Box::new(|_| {}));
     let _ = decode_exr_layers_with_limits(bytes, &LIMITS);
@@ -147,7 +147,7 @@ pub(crate) fn bmp(bytes: &[u8]) {
     decode_starting(b"BM", bytes, "a.bmp");
 }
 
-/// A Targa file, which nothing but its name tells.
+/// A Targa file, which is recognised by its name alone.
 pub(crate) fn tga(bytes: &[u8]) {
     let _ = decode_with_limits(bytes, "a.tga", &LIMITS);
 }
@@ -163,7 +163,7 @@ pub(crate) fn pfm(bytes: &[u8]) {
     decode_starting(b"PF\n", bytes, "a.pfm");
 }
 
-/// The content decides which decoder gets a file: other beginnings would try another one.
+/// The first bytes choose the decoder: they are prepended where they are missing.
 fn decode_starting(start: &[u8], bytes: &[u8], name: &str) {
     if bytes.starts_with(start) {
         let _ = decode_with_limits(bytes, name, &LIMITS);
@@ -172,7 +172,7 @@ fn decode_starting(start: &[u8], bytes: &[u8], name: &str) {
     }
 }
 
-/// A scene's text becomes a scene, of which a few pixels are rendered.
+/// Builds a scene from text and renders a few pixels.
 pub(crate) fn scene(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     static FILES: LazyLock<MemoryResources> = LazyLock::new(|| {
@@ -190,10 +190,10 @@ pub(crate) fn scene(bytes: &[u8]) {
     build_and_render(text, &FILES);
 }
 
-/// Builds a scene of this text and takes one sample of each of six pixels.
+/// Builds a scene from text and renders six pixels with one sample each.
 fn build_and_render(text: &str, files: &MemoryResources) {
     static WORKERS: LazyLock<Workers> = LazyLock::new(|| {
-        Workers::new(std::num::NonZeroUsize::new(1)).expect("one thread can be had")
+        Workers::new(std::num::NonZeroUsize::new(1)).expect("one thread can be started")
     });
     let options = SceneOptions {
         build: BuildOptions { film_size: Some([3, 2]), ..BuildOptions::default() },
