@@ -17,7 +17,7 @@ fn scene(elements: &str) -> Scene {
     )
     .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
-        .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()))
+        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }
 
 /// Convex shapes, each turned so that its coordinates are both tiny and large.
