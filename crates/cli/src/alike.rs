@@ -102,10 +102,7 @@ impl<'a> Listing<'a> {
         };
         self.text += &format!("{} more like these:\n", text::counted(list.len(), severity));
         for diagnostic in list.iter().take(limit) {
-            let place = diagnostic.span.map(|span| {
-                let location = self.sources.locate(span);
-                format!("{}:{}:{}: ", location.name, location.line, location.column)
-            });
+            let place = diagnostic.span.map(|span| format!("{}: ", self.sources.locate(span)));
             // A line of its own, without what could command the terminal.
             let line: String = diagnostic.message.chars().filter(|c| !c.is_control()).collect();
             self.text += &format!("  {}{line}\n", place.unwrap_or_default());

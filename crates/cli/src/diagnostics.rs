@@ -1,7 +1,7 @@
 //! What was found while loading a scene, on standard error.
 
 use etendue::DiagnosticReport;
-use etendue::document::{Diagnostic, Severity};
+use etendue::document::{Diagnostic, Location, Severity};
 use serde_json::{Value, json};
 
 use crate::alike::{Listing, Repeats};
@@ -76,8 +76,12 @@ pub(crate) fn summary(diagnostics: &DiagnosticReport) -> String {
 /// The diagnostics for other programs: severity, message, place and advice of each.
 pub(crate) fn as_json(diagnostics: &DiagnosticReport) -> Value {
     let place = |diagnostic: &Diagnostic| {
-        let location = diagnostics.sources.locate(diagnostic.span?);
-        Some(json!({ "file": location.name, "line": location.line, "column": location.column }))
+        Some(match diagnostics.sources.locate(diagnostic.span?) {
+            Location::Text { name, line, column } => {
+                json!({ "file": name, "line": line, "column": column })
+            }
+            Location::Node { path } => json!({ "node": path }),
+        })
     };
     let finding = |diagnostic: &Diagnostic| {
         let severity = match diagnostic.severity {

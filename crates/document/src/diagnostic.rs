@@ -3,14 +3,14 @@
 use std::collections::HashSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::Span;
+use crate::span::Span;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// Nothing can be rendered.
     Error,
-    /// The picture may not be what was meant.
+    /// The picture may not be what the author meant.
     Warning,
     /// Worth knowing.
     Note,
@@ -27,7 +27,7 @@ pub enum Fault {
     UnknownPlugin,
     /// The plugin takes no parameter or child of that name.
     UnknownParameter,
-    /// The plugin cannot do without it.
+    /// A required parameter or child is missing.
     MissingParameter,
     /// A value of the wrong type or out of range.
     BadValue,
@@ -35,9 +35,9 @@ pub enum Fault {
     Unsupported,
     /// Larger, deeper or more than the limits allow.
     Limit,
-    /// A shape that is none.
+    /// Invalid geometry.
     Geometry,
-    /// Rendered as something near what the file asks for.
+    /// Rendered as an approximation of what the scene asks for.
     Approximation,
 }
 
@@ -118,8 +118,8 @@ impl Diagnostic {
     }
 }
 
-/// A message may quote what stands in a file, which may be megabytes in one word: this many
-/// characters of a message are kept.
+/// Messages quote files, and one word of a file may be megabytes long: messages are cut after this
+/// many characters.
 const MESSAGE_LENGTH: usize = 1000;
 
 /// A hostile file can be wrong in millions of places; nobody reads more than this.
@@ -198,7 +198,7 @@ impl Diagnostics {
         self.lock().error_count
     }
 
-    /// Whether no more findings are kept, so that help for them is wasted work.
+    /// Whether further findings are only counted, so that computing help for them is wasted work.
     pub fn is_full(&self) -> bool {
         self.lock().list.len() >= KEPT
     }
@@ -208,20 +208,21 @@ impl Diagnostics {
         self.lock().omitted
     }
 
-    /// The findings by place: file by file in the order of reading, then down the page.
+    /// The findings by place: file by file in the order of reading, from top to bottom; then those at
+    /// nodes built in code, in the order of the nodes.
     pub fn sorted(&self) -> Vec<Diagnostic> {
         let mut list = self.lock().list.clone();
         list.sort_by(|a, b| a.order().cmp(&b.order()));
         list
     }
 
-    /// A thread that panicked while it held the lock cannot have left half a finding behind.
+    /// Recovers from poisoning: a panicking thread cannot leave a finding half written.
     fn lock(&self) -> MutexGuard<'_, Found> {
         self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Cuts off what is beyond [`MESSAGE_LENGTH`].
+/// Cuts a message to [`MESSAGE_LENGTH`].
 fn shorten(message: &mut String) {
     if let Some((end, _)) = message.char_indices().nth(MESSAGE_LENGTH) {
         message.truncate(end);
@@ -232,7 +233,7 @@ fn shorten(message: &mut String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Sources;
+    use crate::source::Sources;
 
     #[test]
     fn the_same_finding_counts_once_and_they_sort_by_place() {

@@ -3,94 +3,29 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use crate::{
-    Diagnostics, List, Name, NotFound, Parameters, Resolver, Resources, Sources, Span, Value,
-};
+use crate::class::Class;
+use crate::list::List;
+use crate::name::Name;
+use crate::resolver::{NotFound, Resolver};
+use crate::resources::Resources;
+use crate::source::Sources;
+use crate::span::{NodeId, Span};
+use crate::value::Value;
 
-/// NameInterner one node of a [`Document`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NodeId(pub u32);
-
-impl NodeId {
-    /// The position in [`Document::nodes`].
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// What a node is, whatever its plugin: the name of its element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[non_exhaustive]
-pub enum Class {
-    /// The root.
-    Scene,
-    /// How light is computed.
-    Integrator,
-    /// A camera.
-    Sensor,
-    /// What the camera's image is kept on.
-    Film,
-    /// Where random numbers come from.
-    Sampler,
-    /// The pixel filter.
-    ReconstructionFilter,
-    /// A surface.
-    Shape,
-    /// How a surface scatters light.
-    Bsdf,
-    /// A value that varies over a surface.
-    Texture,
-    /// A light.
-    Emitter,
-    /// What fills a volume.
-    Medium,
-    /// How a medium scatters light.
-    Phase,
-    /// A value that varies in space.
-    Volume,
-    /// Subsurface scattering (version 0.6 and before).
-    Subsurface,
-    /// The profile of a surface of revolution.
-    Curve,
-}
-
-impl Class {
-    /// The name of the class's element in the files, such as `bsdf`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scene => "scene",
-            Self::Integrator => "integrator",
-            Self::Sensor => "sensor",
-            Self::Film => "film",
-            Self::Sampler => "sampler",
-            Self::ReconstructionFilter => "rfilter",
-            Self::Shape => "shape",
-            Self::Bsdf => "bsdf",
-            Self::Texture => "texture",
-            Self::Emitter => "emitter",
-            Self::Medium => "medium",
-            Self::Phase => "phase",
-            Self::Volume => "volume",
-            Self::Subsurface => "subsurface",
-            Self::Curve => "curve",
-        }
-    }
-}
-
-/// One object of the scene.
+/// One object of the scene, with its children by id.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Node {
+pub struct FlatNode {
     /// What it is.
     pub class: Class,
     /// Which kind of its class: the XML `type`, upgraded to this version's names.
     pub plugin: Name,
     /// The name other nodes refer to it by.
     pub id: Option<Name>,
-    /// Where it starts: the opening tag.
+    /// Its place: the opening tag, or the node itself.
     pub span: Span,
-    /// In the order of the file.
+    /// In the order in which they were given.
     pub parameters: List<Parameter>,
-    /// In the order of the file.
+    /// In the order in which they were given.
     pub children: List<Child>,
 }
 
@@ -103,14 +38,14 @@ pub struct Parameter {
     pub original_name: Name,
     /// The value.
     pub value: Value,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 
 /// A node inside another one, nested or referred to. A node may have several parents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Child {
-    /// The role in the parent where the file gives one (`reflectance`, `interior`).
+    /// The role in the parent, if it has one (`reflectance`, `interior`).
     pub name: Option<Name>,
     /// The node.
     pub node: NodeId,
@@ -118,20 +53,22 @@ pub struct Child {
     pub span: Span,
 }
 
-/// A scene as text says it: nodes in one flat list, places, and where files are looked for.
+/// A scene as text or code describes it: nodes in one flat list, their places, and the folders in
+/// which files are looked for.
 ///
-/// References are resolved and never form a cycle, so a walk from the root ends. A node may have
-/// several parents: who builds something from it keeps the result by [`NodeId`].
+/// [`Document::build`] makes one in code; [`DocumentBuilder`](crate::DocumentBuilder) is for readers of
+/// files. References are resolved and never form a cycle, so a walk from the root ends. A node may
+/// have several parents: code that builds something from a node keeps the result by [`NodeId`].
 #[derive(Clone, Debug)]
 pub struct Document {
     /// Every node; [`NodeId`] is the position here.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<FlatNode>,
     /// The scene.
     pub root: NodeId,
-    /// Nodes with a child that could not be read or found, which has been reported: what they lack
+    /// Nodes with a child that could not be read or found. That has been reported, so what they lack
     /// because of it is no further mistake.
     pub incomplete: BTreeSet<NodeId>,
-    /// The texts the nodes came from.
+    /// Where the nodes come from.
     pub sources: Sources,
     /// Where the files it names are looked for.
     pub resolver: Resolver,
@@ -143,16 +80,36 @@ impl Document {
     /// # Panics
     ///
     /// If the id belongs to another document.
-    pub fn node(&self, id: NodeId) -> &Node {
+    pub fn node(&self, id: NodeId) -> &FlatNode {
         &self.nodes[id.index()]
     }
 
-    /// The reader from which a plugin is built.
-    pub fn parameters<'a>(&'a self, node: NodeId, diagnostics: &'a Diagnostics) -> Parameters<'a> {
-        Parameters::new(self, node, diagnostics)
+    /// The node that carries an id in the scene: `scene.find("teapot")`.
+    pub fn find(&self, id: &str) -> Option<NodeId> {
+        let position = self.nodes.iter().position(|node| node.id.as_deref() == Some(id))?;
+        Some(NodeId(position as u32))
     }
 
-    /// Lets go of everything but the texts, of which findings show excerpts.
+    /// Gives a parameter of a node another value, or a node a further parameter: an edit. The result
+    /// is not checked before a scene is built from it.
+    ///
+    /// # Panics
+    ///
+    /// If the id belongs to another document.
+    pub fn set(&mut self, id: NodeId, name: &str, value: impl Into<Value>) {
+        let node = &mut self.nodes[id.index()];
+        let value = value.into();
+        match node.parameters.iter_mut().rfind(|parameter| parameter.name == name) {
+            Some(parameter) => parameter.value = value,
+            None => {
+                let (name, span) = (Name::from(name), node.span);
+                let original_name = name.clone();
+                node.parameters.push(Parameter { name, original_name, value, span });
+            }
+        }
+    }
+
+    /// Drops everything except the sources, from which the excerpts of findings are cut.
     pub fn into_sources(self) -> Sources {
         self.sources
     }
@@ -164,7 +121,7 @@ impl Document {
         span: Span,
         resources: &dyn Resources,
     ) -> Result<PathBuf, NotFound> {
-        self.resolver.resolve(name, span.source, resources)
+        self.resolver.resolve(name, span.source(), resources)
     }
 }
 
@@ -175,7 +132,7 @@ mod tests {
     /// A scene of a million instances is a million of these, matrices included.
     #[test]
     fn nodes_are_small() {
-        assert!(size_of::<Node>() <= 208, "{}", size_of::<Node>());
+        assert!(size_of::<FlatNode>() <= 208, "{}", size_of::<FlatNode>());
         assert!(size_of::<Child>() <= 24, "{}", size_of::<Child>());
     }
 }

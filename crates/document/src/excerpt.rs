@@ -6,28 +6,39 @@ use codespan_reporting::diagnostic as codespan;
 use codespan_reporting::files::{Error, Files};
 use codespan_reporting::term;
 
-use crate::source::floor_boundary;
-use crate::{Diagnostic, Severity, Source, Sources, Span};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::source::{Source, Sources, floor_boundary};
+use crate::span::{Location, Span};
 
-/// A line of at most this many characters is shown whole. A scene may be one line of megabytes:
-/// of longer ones, what is around the place that matters is shown.
+/// Lines up to this many characters are shown whole. A scene may be a single line of megabytes: of
+/// longer lines, only the part around the span is shown.
 const SHOWN: usize = 120;
 
 /// A finding as the text a terminal shows, with escape codes for colours where `colored`.
 ///
-/// The place comes as `file:line:column`, with the line and carets under what is meant; lines
-/// of advice follow. The text ends with a line break.
+/// The place is shown as `file:line:column`, with the line and carets under the span, or as the path
+/// of a node that was built in code. Lines of advice follow. The text ends with a line break.
 pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bool) -> String {
     let mut excerpts = Excerpts { list: Vec::new() };
-    let mut labels = Vec::new();
-    if let Some((file, range)) = diagnostic.span.and_then(|span| excerpts.add(span, sources)) {
-        labels.push(codespan::Label::primary(file, range));
+    let (mut labels, mut notes) = (Vec::new(), Vec::new());
+    match diagnostic.span.map(|span| excerpts.add(span, sources)) {
+        Some(Shown::Excerpt(file, range)) => labels.push(codespan::Label::primary(file, range)),
+        Some(Shown::Path(path)) => notes.push(format!("at {}", printable(&path))),
+        Some(Shown::Nothing) | None => {}
     }
     for related in &diagnostic.related {
-        if let Some((file, range)) = excerpts.add(related.span, sources) {
-            labels.push(codespan::Label::secondary(file, range).with_message(&related.message));
+        match excerpts.add(related.span, sources) {
+            Shown::Excerpt(file, range) => {
+                let label = codespan::Label::secondary(file, range);
+                labels.push(label.with_message(&related.message));
+            }
+            Shown::Path(path) => {
+                notes.push(format!("at {}: {}", printable(&path), printable(&related.message)));
+            }
+            Shown::Nothing => {}
         }
     }
+    notes.extend(diagnostic.help.iter().map(|line| printable(line)));
     let severity = match diagnostic.severity {
         Severity::Error => codespan::Severity::Error,
         Severity::Warning => codespan::Severity::Warning,
@@ -36,10 +47,10 @@ pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bo
     let shown = codespan::Diagnostic::new(severity)
         .with_message(printable(&diagnostic.message))
         .with_labels(labels)
-        .with_notes(diagnostic.help.iter().map(|line| printable(line)).collect());
+        .with_notes(notes);
     match emit(&shown, &excerpts, colored) {
         Ok(text) => text.trim_end().to_owned() + "\n",
-        // Layouting fails on a broken excerpt only; the message must not be lost with it.
+        // Layout fails only for a broken excerpt, and the message must not be lost with it.
         Err(_) => printable(&diagnostic.message) + "\n",
     }
 }
@@ -66,24 +77,34 @@ struct Excerpt {
     text: String,
 }
 
-/// The shown lines, each as a file of its own to the layouter.
+/// How a place is shown.
+enum Shown {
+    /// An excerpt and the span within it.
+    Excerpt(usize, Range<usize>),
+    /// The path of a node.
+    Path(String),
+    /// The place is unknown.
+    Nothing,
+}
+
+/// The shown lines. To the layout library, each is a file of its own.
 struct Excerpts {
     list: Vec<Excerpt>,
 }
 
 impl Excerpts {
-    /// Cuts the line of a span out of its source; returns the excerpt and the span within it.
-    fn add(&mut self, span: Span, sources: &Sources) -> Option<(usize, Range<usize>)> {
-        let source = sources.get(span.source)?;
-        let location = sources.locate(span);
-        let (text, range) = cut(source, span);
-        self.list.push(Excerpt {
-            name: location.name,
-            line_number: location.line,
-            column_number: location.column,
-            text,
-        });
-        Some((self.list.len() - 1, range))
+    /// Cuts the line of a span out of its source.
+    fn add(&mut self, span: Span, sources: &Sources) -> Shown {
+        let source = span.source().and_then(|id| sources.get(id));
+        match (sources.locate(span), source) {
+            (Location::Node { path }, _) => Shown::Path(path),
+            (Location::Text { .. }, None) => Shown::Nothing,
+            (Location::Text { name, line, column }, Some(source)) => {
+                let (text, range) = cut(source, span);
+                self.list.push(Excerpt { name, line_number: line, column_number: column, text });
+                Shown::Excerpt(self.list.len() - 1, range)
+            }
+        }
     }
 }
 
@@ -91,10 +112,10 @@ impl Excerpts {
 /// several lines, what lies on the first one.
 fn cut(source: &Source, span: Span) -> (String, Range<usize>) {
     let whole = source.text();
-    let start = floor_boundary(&whole, span.start as usize);
+    let start = floor_boundary(&whole, span.range().start);
     let line = source.line_range(source.line_index(start), &whole);
     let start = start.min(line.end);
-    let end = floor_boundary(&whole, (span.end as usize).clamp(start, line.end));
+    let end = floor_boundary(&whole, span.range().end.clamp(start, line.end));
     let before = &whole[line.start..start];
     let inside = &whole[start..end];
     let after = &whole[end..line.end];
@@ -180,7 +201,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::Fault;
+    use crate::diagnostic::Fault;
 
     fn sources(text: &str) -> Sources {
         let mut sources = Sources::default();
@@ -189,7 +210,7 @@ mod tests {
     }
 
     fn span(range: Range<usize>) -> Span {
-        Span::new(crate::SourceId::default(), range)
+        Span::new(crate::span::SourceId::default(), range)
     }
 
     #[test]

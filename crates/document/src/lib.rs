@@ -1,34 +1,56 @@
-//! The scene document: typed parameters, positions, diagnostics, resources.
+//! The scene document: what every reader and every host makes, and what scenes are built from.
 //!
-//! Every reader of scene files (Mitsuba XML first) produces the same [`Document`]: a flat list of
-//! nodes, each with its class, plugin name, typed parameters and children, and every item knows
-//! the place in the file it came from. Plugins read their node through [`Parameters`], which
-//! remembers what was asked, so that a parameter nobody knows is reported with the names that
-//! exist. Nothing here reads files or prints: bytes come through [`Resources`], and findings are
-//! collected in [`Diagnostics`].
+//! A [`Document`] is a flat list of nodes, each with its class, plugin name, typed parameters and
+//! children. Every item knows its place: the lines of a file, or the path of a node that was built in
+//! code.
+//!
+//! - Hosts build scenes in code from [`Node`]s and [`Buffer`]s; [`Document::build`] checks them.
+//! - Readers of files add nodes to a [`DocumentBuilder`], which resolves references and keeps limits.
+//! - Plugins read their node through [`Parameters`], which remembers what was asked, so that an unknown
+//!   parameter is reported with the names that exist.
+//!
+//! Nothing here reads files or prints: bytes come through [`Resources`], and findings are collected in
+//! [`Diagnostics`].
 #![forbid(unsafe_code)]
 
+mod buffer;
+mod builder;
+mod check;
+mod class;
+mod content;
 mod diagnostic;
 mod document;
 mod excerpt;
+mod flatten;
+mod graph;
 mod list;
 mod name;
 mod names;
+mod node;
+mod node_path;
 mod packed;
 mod parameters;
 mod resolver;
 mod resources;
 mod source;
+mod span;
 mod value;
 
+pub use buffer::{Buffer, BufferData, Elements, ShapeError};
+pub use builder::{DocumentBuilder, DocumentLimits, Reference, Target};
+pub use check::transform_problem;
+pub use class::Class;
 pub use diagnostic::{Diagnostic, Diagnostics, Fault, Related, Severity};
-pub use document::{Child, Class, Document, Node, NodeId, Parameter};
+pub use document::{Child, Document, FlatNode, Parameter};
 pub use excerpt::render_diagnostic;
+pub use flatten::DocumentOptions;
 pub use list::List;
 pub use name::{Name, NameInterner};
 pub use names::{list_names, near_names};
+pub use node::{ChildItem, Item, Node, reference};
 pub use parameters::{Entry, Parameters};
-pub use resolver::{NotFound, Resolver, normalise};
-pub use resources::{MemoryResources, ResourceError, Resources};
-pub use source::{Location, Source, SourceId, Sources, Span};
-pub use value::{SpectrumValue, Value};
+pub use resolver::{NotFound, Resolver};
+pub use resources::{MemoryResources, ResourceError, Resources, normalise};
+pub use source::{Source, Sources};
+pub use span::{Location, NodeId, SourceId, Span};
+pub use value::{SpectrumValue, Value, point, rgb, vector};

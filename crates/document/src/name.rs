@@ -1,4 +1,4 @@
-//! Words that a document says again and again, each kept once.
+//! Names that a document repeats often, each stored once.
 
 use std::borrow::Borrow;
 use std::collections::HashSet;
@@ -83,14 +83,14 @@ impl fmt::Debug for Name {
     }
 }
 
-/// The names that a reader has met, so that each is kept once.
+/// Interns names, so that each is stored once.
 #[derive(Debug, Default)]
 pub struct NameInterner {
     known: HashSet<Name>,
 }
 
 impl NameInterner {
-    /// The name for a word: the one that was given out before, if there is one.
+    /// The name for a word; equal words share one.
     pub fn name(&mut self, word: &str) -> Name {
         if let Some(name) = self.known.get(word) {
             return name.clone();

@@ -6,7 +6,7 @@ const SUGGESTION_LIMIT: usize = 3;
 /// From this similarity on, a name is suggested.
 const NEAR: f64 = 0.6;
 
-/// NameInterner longer than this are not compared: the distance is quadratic in their length.
+/// Names longer than this are not compared: the distance is quadratic in their length.
 const COMPARED_LENGTH: usize = 64;
 
 /// The candidates that resemble `name`, the nearest first, at most three.
@@ -31,7 +31,7 @@ pub fn near_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>)
     scored.into_iter().map(|(_, candidate)| candidate).collect()
 }
 
-/// NameInterner in backquotes with commas: `` `a`, `b`, `c` ``.
+/// Names in backquotes with commas: `` `a`, `b`, `c` ``.
 pub fn list_names<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let quoted: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
     quoted.join(", ")

@@ -31,7 +31,7 @@ impl Packed {
     pub(crate) fn pieces(&self) -> impl Iterator<Item = Vec<u8>> {
         self.pieces.iter().map(|piece| {
             let mut bytes = Vec::with_capacity(PIECE);
-            // What this type has packed itself unpacks; if not, the length tells.
+            // Data that this type packed itself unpacks; a failure would show in the length.
             let _ = DeflateDecoder::new(&**piece).read_to_end(&mut bytes);
             bytes
         })

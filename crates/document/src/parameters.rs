@@ -7,7 +7,18 @@ mod typed;
 
 use std::cell::RefCell;
 
-use crate::{Child, Class, Diagnostics, Document, Fault, Node, NodeId, Parameter, Span, Value};
+use crate::class::Class;
+use crate::diagnostic::{Diagnostics, Fault};
+use crate::document::{Child, Document, FlatNode, Parameter};
+use crate::span::{NodeId, Span};
+use crate::value::Value;
+
+impl Document {
+    /// The reader from which a plugin is built.
+    pub fn parameters<'a>(&'a self, node: NodeId, diagnostics: &'a Diagnostics) -> Parameters<'a> {
+        Parameters::new(self, node, diagnostics)
+    }
+}
 
 /// Either form in which a colour-or-texture parameter may come.
 #[derive(Clone, Copy, Debug)]
@@ -21,12 +32,12 @@ pub enum Entry<'a> {
 /// A node's parameters while a plugin is built from them.
 ///
 /// It remembers which names were asked for and which entries were read; [`Parameters::finish`]
-/// reports the rest. A value of the wrong type or out of range is an error with its place, and
-/// the default takes its place, so that one run shows every error.
+/// reports the rest. A value of the wrong type or out of range is reported with its place and
+/// replaced by the default, so that one run shows every error.
 pub struct Parameters<'a> {
     document: &'a Document,
     id: NodeId,
-    node: &'a Node,
+    node: &'a FlatNode,
     diagnostics: &'a Diagnostics,
     /// The names asked for, which are the names the plugin takes.
     asked: RefCell<Vec<String>>,
@@ -35,7 +46,7 @@ pub struct Parameters<'a> {
 }
 
 impl<'a> Parameters<'a> {
-    pub(crate) fn new(document: &'a Document, id: NodeId, diagnostics: &'a Diagnostics) -> Self {
+    fn new(document: &'a Document, id: NodeId, diagnostics: &'a Diagnostics) -> Self {
         let node = document.node(id);
         let parameters = Self {
             document,
@@ -70,12 +81,12 @@ impl<'a> Parameters<'a> {
         &self.node.plugin
     }
 
-    /// The node's own id in the file.
+    /// The node's own id in the scene.
     pub fn id(&self) -> Option<&'a str> {
         self.node.id.as_deref()
     }
 
-    /// The place of the node: its opening tag.
+    /// The place of the node.
     pub fn span(&self) -> Span {
         self.node.span
     }
@@ -90,8 +101,8 @@ impl<'a> Parameters<'a> {
         self.document.incomplete.contains(&self.id)
     }
 
-    /// Reports an error at the place of parameter or child `name`, or of the node; not what is
-    /// missing from a node that is known to be incomplete.
+    /// Reports an error at the place of parameter or child `name`, or of the node. Missing entries of
+    /// an incomplete node are not reported.
     pub fn error(&self, fault: Fault, name: &str, message: impl Into<String>) {
         if fault != Fault::MissingParameter || !self.is_incomplete() {
             self.diagnostics.error(fault, self.span_of(name), message);
@@ -124,7 +135,7 @@ impl<'a> Parameters<'a> {
         Some((&parameter.value, parameter.span))
     }
 
-    /// A value or a child of that name; where there are both, the later one in the file.
+    /// A value or a child of that name; where a text has both, the later one.
     pub fn entry(&self, name: &str) -> Option<Entry<'a>> {
         let value = self.value(name);
         let child = self.child(name);
@@ -143,7 +154,7 @@ impl<'a> Parameters<'a> {
         Some(child)
     }
 
-    /// Every child of a class, named or not, in the order of the file.
+    /// Every child of a class, named or not, in order.
     pub fn children_of(&self, class: Class) -> Vec<&'a Child> {
         let of_class = self.indexed_children().filter(|(_, child)| self.class_of(child) == class);
         let mut read = self.children_read.borrow_mut();

@@ -1,9 +1,11 @@
 //! Where a file that a scene names is looked for.
 
 use std::fmt;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
-use crate::{Resources, SourceId, near_names};
+use crate::names::{list_names, near_names};
+use crate::resources::{Resources, normalise};
+use crate::span::SourceId;
 
 /// The folders in which file names are resolved.
 ///
@@ -51,7 +53,7 @@ impl NotFound {
     /// takes time where a scene misses a thousand files.
     pub fn help_with_near_names(&self, resources: &dyn Resources) -> Vec<String> {
         let near = near_files(&self.tried, resources);
-        let names = crate::list_names(near.iter().map(String::as_str));
+        let names = list_names(near.iter().map(String::as_str));
         let near = (!near.is_empty()).then(|| format!("there is {names}"));
         near.into_iter().chain(self.help()).collect()
     }
@@ -66,7 +68,8 @@ impl fmt::Display for NotFound {
 impl std::error::Error for NotFound {}
 
 impl Resolver {
-    /// Finds the file that `name`, written in the text `source`, means.
+    /// Finds the file that `name`, written in the text `source`, means. A document that was built in
+    /// code has no text: then names start at the other folders.
     ///
     /// # Errors
     ///
@@ -74,9 +77,10 @@ impl Resolver {
     pub fn resolve(
         &self,
         name: &str,
-        source: SourceId,
+        source: impl Into<Option<SourceId>>,
         resources: &dyn Resources,
     ) -> Result<PathBuf, NotFound> {
+        let source = source.into();
         let tried = self.candidates(name, source);
         match tried.iter().find(|path| resources.exists(path)) {
             Some(path) => Ok(path.clone()),
@@ -90,14 +94,14 @@ impl Resolver {
 
     /// The paths at which `name`, written in the text `source`, may lie, in order of preference,
     /// each once, normalised.
-    pub fn candidates(&self, name: &str, source: SourceId) -> Vec<PathBuf> {
+    pub fn candidates(&self, name: &str, source: impl Into<Option<SourceId>>) -> Vec<PathBuf> {
         let as_written = Path::new(name);
         let with_slashes = as_path(name);
         if with_slashes.is_absolute() {
             return vec![normalise(&with_slashes)];
         }
         let mut candidates = Vec::new();
-        for folder in self.folders(source) {
+        for folder in self.folders(source.into()) {
             // A backslash may also be a letter of a file name, though hardly ever.
             for file in [as_written, &with_slashes] {
                 let path = normalise(&folder.join(file));
@@ -110,8 +114,8 @@ impl Resolver {
     }
 
     /// The folders in which a name written in the text `source` is sought, in order, each once.
-    fn folders(&self, source: SourceId) -> Vec<PathBuf> {
-        let own = self.source_folders.get(source.index());
+    fn folders(&self, source: Option<SourceId>) -> Vec<PathBuf> {
+        let own = source.and_then(|source| self.source_folders.get(source.index()));
         let own = own.map(|folder| normalise(&self.working_directory.join(folder)));
         let given = self.scene_paths.iter().chain(&self.search_paths);
         let given = given.map(|path| self.working_directory.join(path));
@@ -133,26 +137,6 @@ fn as_path(name: &str) -> PathBuf {
     name.trim().replace('\\', "/").into()
 }
 
-/// The same path without `.` and with `..` resolved by name alone, as paths of files come from
-/// [`Resolver::resolve`].
-pub fn normalise(path: &Path) -> PathBuf {
-    let mut normal = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => match normal.components().next_back() {
-                Some(Component::Normal(_)) => {
-                    normal.pop();
-                }
-                Some(Component::RootDir | Component::Prefix(_)) => {}
-                _ => normal.push(".."),
-            },
-            other => normal.push(other),
-        }
-    }
-    normal
-}
-
 /// Files that resemble the missing one, in the folders where it was sought.
 fn near_files(tried: &[PathBuf], resources: &dyn Resources) -> Vec<String> {
     let Some(wanted) = tried.first().and_then(|path| path.file_name()?.to_str()) else {
@@ -166,7 +150,8 @@ fn near_files(tried: &[PathBuf], resources: &dyn Resources) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{MemoryResources, Sources};
+    use crate::resources::MemoryResources;
+    use crate::source::Sources;
 
     fn resolver(folder: &str) -> (Resolver, SourceId) {
         let id = Sources::default().add("scene.xml", "");
@@ -234,11 +219,5 @@ mod tests {
         assert_eq!(missing.help_with_near_names(&files), ["there is `wood.png`", sought]);
         let absolute = resolver.resolve("/s/textures/wod.png", id, &files).unwrap_err();
         assert_eq!(absolute.help_with_near_names(&files), ["there is `wood.png`"]);
-    }
-
-    #[test]
-    fn parent_folders_are_resolved_by_name() {
-        assert_eq!(normalise(Path::new("/a/./b/../../../c")), PathBuf::from("/c"));
-        assert_eq!(normalise(Path::new("../a/..")), PathBuf::from(".."));
     }
 }

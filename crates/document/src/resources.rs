@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::{Path, PathBuf};
-
-use crate::normalise;
+use std::path::{Component, Path, PathBuf};
 
 /// Why a resource could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -85,5 +83,36 @@ impl Resources for MemoryResources {
         let folder = normalise(folder);
         let inside = self.files.keys().filter(|path| path.parent() == Some(&folder));
         inside.filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect()
+    }
+}
+
+/// The same path without `.` and with `..` resolved by name alone, as paths of files come from
+/// [`Resolver::resolve`](crate::Resolver::resolve).
+pub fn normalise(path: &Path) -> PathBuf {
+    let mut normal = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => match normal.components().next_back() {
+                Some(Component::Normal(_)) => {
+                    normal.pop();
+                }
+                Some(Component::RootDir | Component::Prefix(_)) => {}
+                _ => normal.push(".."),
+            },
+            other => normal.push(other),
+        }
+    }
+    normal
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parent_folders_are_resolved_by_name() {
+        assert_eq!(normalise(Path::new("/a/./b/../../../c")), PathBuf::from("/c"));
+        assert_eq!(normalise(Path::new("../a/..")), PathBuf::from(".."));
     }
 }

@@ -1,50 +1,10 @@
 //! The texts a document was read from, and places in them.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
+use crate::node_path::NodePaths;
 use crate::packed::Packed;
-
-/// NameInterner one text of a [`Sources`] collection. The default is the first one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct SourceId(u32);
-
-impl SourceId {
-    /// The position of this source in the order in which the texts were added.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// A byte range of one text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Span {
-    /// The text.
-    pub source: SourceId,
-    /// The first byte.
-    pub start: u32,
-    /// One past the last byte.
-    pub end: u32,
-}
-
-impl Span {
-    /// The span of a byte range; offsets beyond four gigabytes are clamped.
-    pub fn new(source: SourceId, range: std::ops::Range<usize>) -> Self {
-        let clamp = |offset: usize| u32::try_from(offset).unwrap_or(u32::MAX);
-        Self { source, start: clamp(range.start), end: clamp(range.end) }
-    }
-}
-
-/// A place as people read it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Location {
-    /// The name of the text, usually a file name.
-    pub name: String,
-    /// Counted from 1.
-    pub line: usize,
-    /// In characters, counted from 1.
-    pub column: usize,
-}
+use crate::span::{Location, SourceId, Span};
 
 /// One text with its name.
 #[derive(Clone, Debug)]
@@ -72,15 +32,6 @@ impl Source {
             Text::Whole(text) => text.clone(),
             Text::Packed(packed) => packed.unpack().into(),
         }
-    }
-
-    /// The bytes of the text in order, of a packed one without unpacking all of it.
-    pub fn pieces(&self) -> impl Iterator<Item = Cow<'_, [u8]>> {
-        let (whole, packed) = match &self.text {
-            Text::Whole(text) => (Some(Cow::Borrowed(text.as_bytes())), None),
-            Text::Packed(packed) => (None, Some(packed.pieces().map(Cow::Owned))),
-        };
-        whole.into_iter().chain(packed.into_iter().flatten())
     }
 
     /// Bytes of the text.
@@ -114,17 +65,24 @@ pub(crate) fn floor_boundary(text: &str, offset: usize) -> usize {
     offset
 }
 
-/// Texts below this are not worth packing: a scene has megabytes at most, unless it places things by
-/// the hundred thousand.
+/// Smaller texts are not worth packing. Only scenes that place hundreds of thousands of objects are
+/// larger.
 const LARGE: usize = 16 << 20;
 
-/// Every text read for a document, with its name.
+/// Where the nodes of a document come from: the texts that were read for it, and the paths of nodes
+/// that were built in code.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     sources: Vec<Source>,
+    node_paths: NodePaths,
 }
 
 impl Sources {
+    /// No texts: the paths of nodes that were built in code.
+    pub(crate) fn of_nodes(node_paths: NodePaths) -> Self {
+        Self { sources: Vec::new(), node_paths }
+    }
+
     /// Keeps a text and names it. Offsets are 32 bits: what lies beyond four gigabytes has no place.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> SourceId {
         let text = text.into();
@@ -145,28 +103,30 @@ impl Sources {
         self.sources.iter()
     }
 
-    /// File, line and column of the start of a span.
+    /// File, line and column of the start of a span, or the path of a node.
     pub fn locate(&self, span: Span) -> Location {
-        let Some(source) = self.get(span.source) else {
-            return Location { name: "<unknown>".to_owned(), line: 1, column: 1 };
+        if let Some(path) = self.node_paths.path(span) {
+            return Location::Node { path };
+        }
+        let Some(source) = span.source().and_then(|id| self.get(id)) else {
+            return Location::Text { name: "<unknown>".to_owned(), line: 1, column: 1 };
         };
         let text = source.text();
-        let offset = floor_boundary(&text, span.start as usize);
+        let offset = floor_boundary(&text, span.range().start);
         let line_index = source.line_index(offset);
         let line_start = source.line_range(line_index, &text).start;
         let column = text[line_start..offset].chars().count() + 1;
-        Location { name: source.name.clone(), line: line_index + 1, column }
+        Location::Text { name: source.name.clone(), line: line_index + 1, column }
     }
 
     /// The text of a span; empty where the span does not fit.
     pub fn excerpt(&self, span: Span) -> String {
-        let range = span.start as usize..span.end as usize;
-        let text = self.get(span.source).map(Source::text);
-        text.as_deref().and_then(|text| text.get(range)).unwrap_or_default().to_owned()
+        let text = span.source().and_then(|id| self.get(id)).map(Source::text);
+        text.as_deref().and_then(|text| text.get(span.range())).unwrap_or_default().to_owned()
     }
 
-    /// Compresses the large texts, which nobody looks at until something is found in them. All that
-    /// a source tells stays the same, but what asks for its text takes a second for each 300 MB.
+    /// Compresses large texts, which are needed again only for excerpts. Nothing changes for callers,
+    /// except that [`Source::text`] then takes a second for each 300 MB.
     pub fn pack(&mut self) {
         for source in self.sources.iter_mut().filter(|source| source.length() >= LARGE) {
             if let Text::Whole(text) = &source.text
@@ -191,14 +151,19 @@ impl Sources {
 mod tests {
     use super::*;
 
+    fn line_and_column(location: &Location) -> (usize, usize) {
+        match location {
+            Location::Text { line, column, .. } => (*line, *column),
+            Location::Node { path } => panic!("no text: {path}"),
+        }
+    }
+
     #[test]
     fn places_are_counted_from_one_in_characters() {
         let mut sources = Sources::default();
         let id = sources.add("scene.xml", "one\nzwölf x\r\n\nend");
-        let place = |start: usize| {
-            let location = sources.locate(Span::new(id, start..start + 1));
-            (location.line, location.column)
-        };
+        let place =
+            |start: usize| line_and_column(&sources.locate(Span::new(id, start..start + 1)));
         assert_eq!(place(0), (1, 1));
         assert_eq!(place(4), (2, 1));
         assert_eq!(place(11), (2, 7), "two bytes of ö count once");
@@ -213,7 +178,7 @@ mod tests {
     fn a_span_in_the_middle_of_a_character_does_not_panic() {
         let mut sources = Sources::default();
         let id = sources.add("scene.xml", "ö");
-        assert_eq!(sources.locate(Span::new(id, 1..2)).column, 1);
+        assert_eq!(line_and_column(&sources.locate(Span::new(id, 1..2))), (1, 1));
         assert_eq!(sources.excerpt(Span::new(id, 1..2)), "");
         assert_eq!(sources.excerpt(Span::new(id, 0..2)), "ö");
     }
@@ -226,12 +191,12 @@ mod tests {
         let small = sources.add("small.xml", "<scene/>");
         let span = Span::new(id, line.len() * 1000 + 13..line.len() * 1000 + 20);
         let told = |sources: &Sources| {
-            let bytes: Vec<u8> =
-                sources.iter().flat_map(|s| s.pieces().collect::<Vec<_>>().concat()).collect();
-            (sources.locate(span), sources.excerpt(span), bytes)
+            let texts: Vec<_> = sources.iter().map(Source::text).collect();
+            (sources.locate(span), sources.excerpt(span), texts)
         };
         let before = told(&sources);
-        assert_eq!((before.0.line, before.0.column, before.1.as_str()), (1001, 14, "größe"));
+        assert_eq!(line_and_column(&before.0), (1001, 14));
+        assert_eq!(before.1, "größe");
         sources.pack();
         assert!(matches!(sources.get(id).unwrap().text, Text::Packed(_)));
         assert!(matches!(sources.get(small).unwrap().text, Text::Whole(_)));

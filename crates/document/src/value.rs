@@ -1,8 +1,14 @@
 //! The values a parameter may have.
 
-use glam::{DAffine3, DMat4, DVec3};
+use glam::{DAffine3, DMat4, DVec3, Vec3};
 
-/// A typed parameter value, as the file states it.
+use crate::buffer::Buffer;
+use crate::check;
+
+/// A typed parameter value.
+///
+/// `From` makes values of Rust's own types, so that [`Node::with`](crate::Node::with) takes those; what
+/// three numbers mean is said by [`rgb`], [`point`] or [`vector`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// True or false.
@@ -28,12 +34,14 @@ pub enum Value {
         /// A factor on the radiance.
         scale: f64,
     },
-    /// A transformation of column vectors, from the local space to the outer one. In place, though it
-    /// is four times as large as anything else: of a million, each would pay for its allocation, and
-    /// the memory would not go back to the system when the document does.
+    /// A transformation of column vectors, from the local space to the outer one. Stored in place,
+    /// although it is four times as large as anything else: a million boxes would each cost an
+    /// allocation, and their memory would not return to the system with the document.
     Transform(DAffine3),
     /// The control points of a `<curve>`.
     Points(Vec<DVec3>),
+    /// A shared array: vertices, indices, texels, a grid. Only documents built in code have them.
+    Buffer(Buffer),
 }
 
 impl Value {
@@ -56,9 +64,83 @@ impl Value {
             Self::Blackbody { .. } => "a black body",
             Self::Transform(_) => "a transform",
             Self::Points(_) => "a list of points",
+            Self::Buffer(_) => "a buffer",
         }
     }
 }
+
+/// A colour in linear Rec. 709.
+pub fn rgb(channels: impl Into<DVec3>) -> Value {
+    Value::Rgb(channels.into())
+}
+
+/// A position.
+pub fn point(coordinates: impl Into<DVec3>) -> Value {
+    Value::Point(coordinates.into())
+}
+
+/// A direction or a size.
+pub fn vector(coordinates: impl Into<DVec3>) -> Value {
+    Value::Vector(coordinates.into())
+}
+
+/// Implements `From` by an expression.
+macro_rules! values_from {
+    ($($from:ty: $name:ident => $value:expr),+ $(,)?) => {$(
+        impl From<$from> for Value {
+            fn from($name: $from) -> Self {
+                $value
+            }
+        }
+    )+};
+}
+
+values_from! {
+    bool: boolean => Self::Boolean(boolean),
+    i64: integer => Self::Integer(integer),
+    i32: integer => Self::Integer(integer.into()),
+    u32: integer => Self::Integer(integer.into()),
+    f64: float => Self::Float(float),
+    f32: float => Self::Float(float.into()),
+    &str: text => Self::String(text.to_owned()),
+    String: text => Self::String(text),
+    DVec3: vector => Self::Vector(vector),
+    Vec3: vector => Self::Vector(vector.as_dvec3()),
+    [f64; 3]: vector => Self::Vector(vector.into()),
+    DAffine3: transform => Self::Transform(transform),
+    SpectrumValue: spectrum => Self::Spectrum(spectrum),
+    Vec<DVec3>: points => Self::Points(points),
+    Buffer: buffer => Self::Buffer(buffer),
+}
+
+const NO_NUMBERS: DAffine3 = DAffine3 { matrix3: glam::DMat3::NAN, translation: DVec3::NAN };
+
+/// A matrix that is not affine becomes a transformation without numbers, which a document refuses.
+impl From<DMat4> for Value {
+    fn from(matrix: DMat4) -> Self {
+        let affine = DAffine3::from_mat4(matrix);
+        Self::Transform(if check::is_affine(matrix) { affine } else { NO_NUMBERS })
+    }
+}
+
+/// Implements `From` for vectors that become buffers, flat or in rows.
+macro_rules! values_from_vectors {
+    ($($element:ty),+) => {$(
+        impl From<Vec<$element>> for Value {
+            fn from(elements: Vec<$element>) -> Self {
+                Self::Buffer(elements.into())
+            }
+        }
+
+        impl<const COLUMNS: usize> From<Vec<[$element; COLUMNS]>> for Value {
+            fn from(rows: Vec<[$element; COLUMNS]>) -> Self {
+                Self::Buffer(rows.into())
+            }
+        }
+    )+};
+}
+
+values_from_vectors!(u8, u16, u32, u64, i32, i64, half::f16, f32, f64);
 
 /// A quantity over wavelengths.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use etendue_document::{Diagnostic, Diagnostics, Severity, Sources, render_diagnostic};
+use etendue_document::{Diagnostic, Diagnostics, Severity, Sources, Span, render_diagnostic};
 
 /// Everything that was found, with the texts that it was found in.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +24,7 @@ impl DiagnosticReport {
         let places = list.iter().flat_map(|found| {
             found.span.into_iter().chain(found.related.iter().map(|related| related.span))
         });
-        places.for_each(|span| sources.unpack(span.source));
+        places.filter_map(Span::source).for_each(|source| sources.unpack(source));
         Self {
             list,
             error_count: diagnostics.error_count(),

@@ -1,13 +1,12 @@
-//! The elements that do something to the document instead of being part of it.
+//! The elements that change how the scene is read, rather than being part of it.
 
 use std::path::Path;
 
-use etendue_document::{Child, Class, Fault, Name, NodeId, Parameter, Value};
+use etendue_document::{Class, Fault, Name, NodeId, Parameter, Target, Value};
 
 use crate::defines::NAME_LENGTH;
 use crate::element::Element;
-use crate::loader::{Loader, UNRESOLVED};
-use crate::resolve::Target;
+use crate::loader::Loader;
 
 /// `<default name="spp" value="16"/>`: the value of `$spp` unless the caller gave one.
 pub(crate) fn default(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
@@ -34,7 +33,7 @@ pub(crate) fn alias(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
     let new = element.required("as", loader.diagnostics);
     if let (Some(id), Some(new)) = (id, new) {
         let target = Target::Alias(Name::from(&*id.value));
-        loader.register(Name::from(&*new.value), target, new.span);
+        loader.builder.define(Name::from(&*new.value), target, new.span);
     }
 }
 
@@ -44,14 +43,8 @@ pub(crate) fn reference(loader: &mut Loader<'_>, element: &Element<'_>, parent: 
         return;
     };
     let name = element.value("name").filter(|name| !name.is_empty());
-    let name = name.map(|name| loader.names.name(name));
-    let known = loader.known_shape(&id.value);
-    let node = loader.node_mut(parent);
-    let child = node.children.len();
-    node.children.push(Child { name, node: known.unwrap_or(UNRESOLVED), span: element.span });
-    if known.is_none() {
-        loader.add_reference(parent, child, &id.value, id.span);
-    }
+    let name = name.map(|name| loader.builder.name(name));
+    loader.builder.refer(parent, (name, element.span), (&id.value, id.span));
 }
 
 /// `<path value="..."/>`: another folder in which files are looked for.
@@ -72,7 +65,7 @@ pub(crate) fn path(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
 
 /// `<vec value="x, y, z"/>`: a control point of the curve around it.
 pub(crate) fn control_point(loader: &mut Loader<'_>, element: &Element<'_>, parent: NodeId) {
-    if loader.node_mut(parent).class != Class::Curve {
+    if loader.builder.node_mut(parent).class != Class::Curve {
         let message = "`<vec>` stands inside a `<curve>` only";
         loader.diagnostics.error(Fault::Syntax, element.span, message);
         return;
@@ -80,7 +73,7 @@ pub(crate) fn control_point(loader: &mut Loader<'_>, element: &Element<'_>, pare
     let Some(point) = element.vector(None, loader.diagnostics) else {
         return;
     };
-    let node = loader.node_mut(parent);
+    let node = loader.builder.node_mut(parent);
     let last = node.parameters.iter_mut().find_map(|parameter| match &mut parameter.value {
         Value::Points(points) => Some(points),
         _ => None,

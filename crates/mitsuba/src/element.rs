@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::defines::{Defines, ExpansionError};
 use crate::numbers::{self, NumberError};
-use crate::pieces::Origin;
+use crate::origin::Origin;
 
 /// An attribute after `$name` expansion.
 #[derive(Clone, Debug)]
@@ -17,18 +17,18 @@ pub(crate) struct Attribute<'a> {
     pub(crate) value: Cow<'a, str>,
     /// Of the value.
     pub(crate) span: Span,
-    /// The value stands in the file as it is here, byte by byte.
+    /// Whether the value is byte for byte what the file holds.
     verbatim: bool,
 }
 
 impl Attribute<'_> {
-    /// The place of a part of the value, as near as expansion leaves it known.
+    /// The place of a part of the value; after an expansion, of the whole value.
     pub(crate) fn part(&self, range: Range<usize>) -> Span {
-        if !self.verbatim {
+        let Some(source) = self.span.source().filter(|_| self.verbatim) else {
             return self.span;
-        }
-        let start = self.span.start as usize;
-        Span::new(self.span.source, start + range.start..start + range.end)
+        };
+        let start = self.span.range().start;
+        Span::new(source, start + range.start..start + range.end)
     }
 }
 
@@ -175,7 +175,7 @@ impl<'a> Element<'a> {
     }
 }
 
-/// What is to be said about an expansion that failed, if that is news.
+/// The report of a failed expansion, unless it has been made already.
 fn describe(error: &ExpansionError, span: Span) -> Option<Diagnostic> {
     let diagnostic = match error {
         ExpansionError::Broken => return None,
@@ -185,9 +185,9 @@ fn describe(error: &ExpansionError, span: Span) -> Option<Diagnostic> {
             "the values of all `$names` together have grown beyond the limit",
         ),
         ExpansionError::Undefined { name, offset, near } => {
-            let start = span.start as usize + offset;
-            let end = (start + 1 + name.len()).min(span.end as usize);
-            let place = Span::new(span.source, start.min(end)..end);
+            let start = span.range().start + offset;
+            let end = (start + 1 + name.len()).min(span.range().end);
+            let place = span.source().map(|source| Span::new(source, start.min(end)..end));
             let message = format!("`${name}` is not defined");
             let mut diagnostic = Diagnostic::error(Fault::BadValue, place, message);
             if !near.is_empty() {

@@ -4,7 +4,7 @@ use etendue_document::{Class, NodeId, Value};
 
 use crate::element::Element;
 use crate::loader::Loader;
-use crate::{directives, include, transform, values};
+use crate::{directives, transform, values};
 
 /// What an element is.
 pub(crate) enum Kind {
@@ -23,6 +23,11 @@ pub(crate) enum Kind {
     Directive {
         /// Does it, inside the given object.
         run: fn(&mut Loader<'_>, &Element<'_>, NodeId),
+        /// The attributes it takes.
+        attributes: &'static [&'static str],
+    },
+    /// Another file's content.
+    Include {
         /// The attributes it takes.
         attributes: &'static [&'static str],
     },
@@ -78,7 +83,7 @@ static ELEMENTS: &[(&str, Kind)] = &[
     ("ref", directive(directives::reference, &["id", "name"])),
     ("path", directive(directives::path, &["value"])),
     ("vec", directive(directives::control_point, &["value", "x", "y", "z"])),
-    ("include", directive(include::include, &["filename", "name"])),
+    ("include", Kind::Include { attributes: &["filename", "name"] }),
 ];
 
 /// What the element of that name is.

@@ -1,29 +1,22 @@
 //! Files: the scene's own and those it includes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use etendue_document::{Diagnostic, Fault, NodeId, SourceId, Span};
+use etendue_document::{Diagnostic, Fault, SourceId, Span};
 
 use crate::element::Element;
-use crate::loader::Loader;
+use crate::loader::{Loader, OpenFile};
 use crate::text;
 
 /// Near names are sought for this many missing files: for each, whole folders are listed.
 const SUGGESTED: usize = 20;
 
-/// A file that is being read, and where it was included.
-pub(crate) struct OpenFile {
-    pub(crate) path: PathBuf,
-    pub(crate) included_at: Option<Span>,
-}
-
-/// `<include filename="..."/>`: what stands in another file's `<scene>`, or its root object.
-pub(crate) fn include(loader: &mut Loader<'_>, element: &Element<'_>, parent: NodeId) {
-    let Some(file) = element.required("filename", loader.diagnostics) else {
-        return;
-    };
+/// Opens what `<include filename="..."/>` names: the text of a `<scene>`, or of one object. After it
+/// has been read, [`close`] it.
+pub(crate) fn open(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<SourceId> {
+    let file = element.required("filename", loader.diagnostics)?;
     let resolver = &loader.resolver;
-    let path = match resolver.resolve(&file.value, file.span.source, loader.resources) {
+    let path = match resolver.resolve(&file.value, file.span.source(), loader.resources) {
         Ok(path) => path,
         Err(missing) => {
             let mut diagnostic = Diagnostic::error(Fault::Io, file.span, missing.to_string());
@@ -33,34 +26,21 @@ pub(crate) fn include(loader: &mut Loader<'_>, element: &Element<'_>, parent: No
                 _ => missing.help(),
             };
             loader.diagnostics.push(diagnostic);
-            return;
+            return None;
         }
     };
     if !may_include(loader, &path, file.span) {
-        return;
+        return None;
     }
     loader.include_count += 1;
-    loader.open_files.push(OpenFile { path: path.clone(), included_at: Some(file.span) });
-    read_included(loader, &path, file.span, parent);
-    loader.open_files.pop();
+    let source = loader.read_source(&path, Some(file.span))?;
+    loader.open_files.push(OpenFile { path, included_at: Some(file.span) });
+    Some(source)
 }
 
-fn read_included(loader: &mut Loader<'_>, path: &Path, span: Span, parent: NodeId) {
-    let Some(source) = loader.read_source(path, Some(span)) else {
-        return;
-    };
-    let outer = std::mem::replace(&mut loader.source, source);
-    loader.for_each_piece(source, |loader, root, is_first| {
-        if !root.has_tag_name("scene") {
-            loader.visit(root, parent);
-            return;
-        }
-        if is_first {
-            loader.scene_attributes(root);
-        }
-        loader.visit_children(root, parent);
-    });
-    loader.source = outer;
+/// Closes the file that was opened last.
+pub(crate) fn close(loader: &mut Loader<'_>) {
+    loader.open_files.pop();
 }
 
 /// Whether a file may be included here; reports loops, with the way they go, and limits.

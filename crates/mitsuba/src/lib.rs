@@ -1,10 +1,10 @@
 //! Mitsuba XML, versions 0.4 to 3, to the scene document.
 //!
-//! [`read_file`] reads a file with everything it includes, substitutes `$names`, resolves references
-//! and upgrades older dialects, and returns a [`Document`] in the element and parameter names of
-//! version 3. What it finds wrong goes to [`Diagnostics`] with its place; it goes on after every
-//! error that allows it, so that one run shows them all. Input may be hostile: nesting, sizes and
-//! expansions have [`Limits`], entities are not accepted, and nothing panics.
+//! [`read_file`] reads a file with everything it includes, substitutes `$names`, upgrades older
+//! dialects, and returns a [`Document`] in the element and parameter names of version 3. Errors go to
+//! [`Diagnostics`] with their places; reading continues after an error where it can, so that one run
+//! shows them all. Input may be hostile: sizes, nesting and expansions have [`Limits`], entities are
+//! refused, and nothing panics.
 #![forbid(unsafe_code)]
 
 mod defines;
@@ -15,14 +15,16 @@ mod include;
 mod loader;
 mod numbers;
 mod options;
+mod origin;
 mod pieces;
-mod resolve;
 mod scan;
 mod syntax;
 mod text;
 mod transform;
 mod upgrade;
 mod values;
+mod walk;
+mod wrappers;
 
 use std::path::Path;
 
@@ -32,14 +34,14 @@ pub use options::{Limits, LoadOptions};
 
 /// Reads a scene file and everything it includes.
 ///
-/// Findings go to `diagnostics`; whether the scene may be rendered is
-/// [`Diagnostics::has_errors`]. A document comes back even where there were errors, as far as it
-/// could be read, so that errors of the plugins show in the same run.
+/// Findings go to `diagnostics`; [`Diagnostics::has_errors`] says whether the scene can be rendered.
+/// After errors, the document holds what could be read, so that errors of the plugins show in the same
+/// run.
 ///
 /// # Errors
 ///
-/// Where the main file is no scene at all: then there is nothing but the texts that were read,
-/// from which the excerpts of the findings are cut.
+/// If the main file is not a scene at all. The error is the texts that were read, which excerpts of the
+/// findings are cut from.
 pub fn read_file(
     path: &Path,
     resources: &dyn Resources,

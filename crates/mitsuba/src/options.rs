@@ -1,6 +1,8 @@
-//! What a caller may say about loading.
+//! Options and limits of a load.
 
 use std::path::PathBuf;
+
+use etendue_document::DocumentLimits;
 
 /// How a scene is loaded.
 #[derive(Clone, Debug, Default)]
@@ -20,8 +22,8 @@ pub struct LoadOptions {
 pub struct Limits {
     /// Bytes of all files together, each counted as often as it is included.
     pub total_bytes: usize,
-    /// How deep elements may nest, includes counted in.
-    pub depth: usize,
+    /// What the document may come to. Elements, with includes counted in, nest as deep as objects.
+    pub document: DocumentLimits,
     /// Attributes of one element.
     pub attributes: usize,
     /// Bytes of an object right inside the scene, which is parsed at once.
@@ -30,8 +32,6 @@ pub struct Limits {
     pub elements: usize,
     /// XML nodes (elements, texts, comments) that are parsed at once.
     pub xml_nodes: u32,
-    /// Objects of the whole scene.
-    pub nodes: usize,
     /// How deep files may include each other.
     pub include_depth: usize,
     /// How many includes there may be in all.
@@ -40,8 +40,6 @@ pub struct Limits {
     pub paths: usize,
     /// Bytes that all `$name` expansions together may produce.
     pub expansion_bytes: usize,
-    /// How many objects one object may come to when every reference in it is followed.
-    pub expanded_nodes: u64,
 }
 
 impl Default for Limits {
@@ -49,18 +47,16 @@ impl Default for Limits {
         Self {
             // A million instances, each with the line of a matrix in all its digits.
             total_bytes: 512 << 20,
-            depth: 64,
+            document: DocumentLimits::default(),
             attributes: 64,
             // The parser spends a dozen bytes on each of these.
             object_bytes: 128 << 20,
             elements: 12_000_000,
             xml_nodes: 4_000_000,
-            nodes: 4_000_000,
             include_depth: 16,
             includes: 10_000,
             paths: 100,
             expansion_bytes: 16 << 20,
-            expanded_nodes: 1_000_000,
         }
     }
 }

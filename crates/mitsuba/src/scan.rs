@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use etendue_document::Fault;
 
-use crate::Limits;
+use crate::options::Limits;
 
 /// Declarations of namespaces in one file; scenes need none.
 const NAMESPACE_LIMIT: usize = 16;
@@ -141,8 +141,8 @@ impl<'a> Scanner<'a> {
             self.note_break(after);
         } else {
             self.depth += 1;
-            if self.depth > self.limits.depth {
-                let limit = self.limits.depth;
+            if self.depth > self.limits.document.depth {
+                let limit = self.limits.document.depth;
                 let message = format!("elements nest more than {limit} deep");
                 return Err(self.refuse(Fault::Limit, message, name_length));
             }
@@ -171,6 +171,8 @@ impl<'a> Scanner<'a> {
 
 #[cfg(test)]
 mod tests {
+    use etendue_document::DocumentLimits;
+
     use super::*;
 
     fn refused(text: &str) -> Refused {
@@ -180,7 +182,8 @@ mod tests {
     #[test]
     fn ordinary_scenes_pass() {
         let text = "<?xml version='1.0'?><!-- <a><a> --><scene a='>' b=\"<\"><x/><y></y></scene>";
-        let limits = Limits { depth: 2, ..Limits::default() };
+        let document = DocumentLimits { depth: 2, ..DocumentLimits::default() };
+        let limits = Limits { document, ..Limits::default() };
         assert!(scan(text, &limits).is_ok());
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use etendue_document::Fault;
 use roxmltree::{Error, TextPos};
 
-use crate::Limits;
+use crate::options::Limits;
 
 /// What is wrong, and where in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! `<transform>` and the operations inside it.
 
-use etendue_document::{Diagnostic, Diagnostics, Fault, Value, list_names};
+use etendue_document::{Diagnostic, Diagnostics, Fault, Value, list_names, transform_problem};
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::element::Element;
@@ -24,29 +24,23 @@ static OPERATIONS: &[Operation] = &[
     Operation { name: "lookAt", attributes: &["origin", "target", "up"], read: look_at },
 ];
 
-/// How far the last row of an affine matrix may be from 0, 0, 0, 1 for the digits that exporters
-/// write.
-const AFFINE_TOLERANCE: f64 = 1e-4;
-
-/// Below this, the volume that three unit columns span is nothing but rounding.
-const SINGULAR_VOLUME: f64 = 1e-12;
-
 /// The operations of a `<transform>`, each applied after those above it.
 pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
-    let planar = matches!(element.value("name"), Some("to_uv" | "toUV"));
+    let name = element.value("name").unwrap_or_default();
+    let planar = matches!(name, "to_uv" | "toUV");
     let mut transform = DMat4::IDENTITY;
     let mut failed = element.broken;
     for node in element.node.children().filter(roxmltree::Node::is_element) {
         let operation = loader.open(node);
         let matrix = apply(&operation, loader.diagnostics);
-        match matrix.filter(|matrix| check(*matrix, planar, &operation, loader.diagnostics)) {
+        match matrix.filter(|matrix| check(*matrix, name, &operation, loader.diagnostics)) {
             Some(matrix) if planar => transform = planar_matrix(matrix, &operation) * transform,
             Some(matrix) => transform = matrix * transform,
             None => failed = true,
         }
     }
     // Each by itself can be usable where all together are not.
-    let usable = !failed && check(transform, planar, element, loader.diagnostics);
+    let usable = !failed && check(transform, name, element, loader.diagnostics);
     usable.then(|| Value::transform(transform))
 }
 
@@ -133,33 +127,13 @@ fn look_at(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
     Some(DMat4::from_translation(origin) * DMat4::from_mat3(matrix))
 }
 
-/// Whether a matrix can be used; reports why not. Coordinates on a surface may be collapsed.
-fn check(matrix: DMat4, planar: bool, element: &Element<'_>, diagnostics: &Diagnostics) -> bool {
-    let fault = if !matrix.is_finite() {
-        "this transform has numbers beyond all bounds"
-    } else if !is_affine(matrix) && !planar {
-        "the last row of a matrix must be 0, 0, 0, 1"
-    } else if !planar && is_singular(matrix) {
-        "this transform is singular: it cannot be undone"
-    } else {
-        return true;
-    };
-    diagnostics.error(Fault::BadValue, element.span, fault);
-    false
-}
-
-fn is_affine(matrix: DMat4) -> bool {
-    let last = matrix.row(3);
-    last.truncate().abs().max_element() <= AFFINE_TOLERANCE
-        && (last.w - 1.0).abs() <= AFFINE_TOLERANCE
-}
-
-/// Whether a direction is lost. Independent of the scale, so that tiny objects are no fault.
-fn is_singular(matrix: DMat4) -> bool {
-    let linear = DMat3::from_mat4(matrix);
-    let unit = |column: DVec3| column.normalize_or_zero();
-    let unit = DMat3::from_cols(unit(linear.x_axis), unit(linear.y_axis), unit(linear.z_axis));
-    unit.determinant().abs() < SINGULAR_VOLUME || !matrix.inverse().is_finite()
+/// Whether a matrix can be used as the transform `name`; reports why not.
+fn check(matrix: DMat4, name: &str, element: &Element<'_>, diagnostics: &Diagnostics) -> bool {
+    let problem = transform_problem(name, matrix);
+    if let Some(problem) = problem {
+        diagnostics.error(Fault::BadValue, element.span, problem);
+    }
+    problem.is_none()
 }
 
 /// Nine numbers for `to_uv` are a homogeneous transformation of the plane, whose last column is

@@ -1,13 +1,13 @@
 //! Older dialects become the names of version 3, on the document, before any plugin sees it.
 //!
-//! Real files mix dialects whatever version they claim, so the rules apply to every file; only defaults that have changed
-//! go by the version.
-//! What only has another name changes silently. What is rendered as something near is reported
-//! as an approximation, each kind once, with every line.
+//! Real files mix dialects whatever version they claim, so the rules apply to every file; only changed
+//! defaults depend on the version. Renamed things change silently. What is rendered as an approximation
+//! is reported, each kind once, with every line.
 
 mod approximation;
 mod bsdf;
 mod emitter;
+mod entries;
 mod integrator;
 mod layers;
 mod medium;
@@ -20,9 +20,7 @@ mod texture;
 
 use std::collections::HashMap;
 
-use etendue_document::{
-    Class, Diagnostics, NameInterner, Node, Parameter, SourceId, Sources, Value,
-};
+use etendue_document::{Class, Diagnostics, FlatNode, NameInterner, SourceId, Sources};
 
 use approximation::Approximations;
 
@@ -31,15 +29,18 @@ pub(crate) type Versions = HashMap<SourceId, u32>;
 
 /// Upgrades every node. New nodes come after the old ones.
 pub(crate) fn upgrade(
-    nodes: &mut Vec<Node>,
+    nodes: &mut Vec<FlatNode>,
     sources: &Sources,
     versions: &Versions,
     diagnostics: &Diagnostics,
 ) {
+    let is_old = |node: &FlatNode| {
+        node.span.source().is_some_and(|source| versions.get(&source) == Some(&0))
+    };
     let mut approximations = Approximations::default();
     let mut words = NameInterner::default();
     nodes.iter_mut().for_each(|node| names::upgrade(node, &mut words));
-    for node in nodes.iter_mut().filter(|node| versions.get(&node.span.source) == Some(&0)) {
+    for node in nodes.iter_mut().filter(|node| is_old(node)) {
         bsdf::old_defaults(node);
         medium::old_defaults(node);
         medium::old_grid(node);
@@ -55,7 +56,7 @@ pub(crate) fn upgrade(
             Class::Sensor => sensor::upgrade(&mut nodes[index], diagnostics),
             Class::Texture => texture::upgrade(&mut nodes[index], &mut approximations),
             Class::Emitter => {
-                let is_old = versions.get(&nodes[index].span.source) == Some(&0);
+                let is_old = is_old(&nodes[index]);
                 emitter::upgrade(&mut nodes[index], is_old);
                 emitter::stop_the_clock(&mut nodes[index], &mut approximations);
             }
@@ -66,38 +67,11 @@ pub(crate) fn upgrade(
             Class::Medium => medium::upgrade(&mut nodes[index], &mut approximations),
             Class::Phase => medium::upgrade_phase(nodes, index),
             Class::Volume => medium::upgrade_volume(nodes, index),
-            Class::Shape if versions.get(&nodes[index].span.source) == Some(&0) => {
+            Class::Shape if is_old(&nodes[index]) => {
                 medium::old_boundary(nodes, index);
             }
             _ => {}
         }
     }
     approximations.report(sources, diagnostics);
-}
-
-/// Removes the parameters of that name and returns the last, which is the one that counts.
-fn take(node: &mut Node, name: &str) -> Option<Parameter> {
-    let mut taken = None;
-    node.parameters.retain(|parameter| {
-        let wanted = parameter.name == name;
-        if wanted {
-            taken = Some(parameter.clone());
-        }
-        !wanted
-    });
-    taken
-}
-
-/// The parameter of that name that counts: the last.
-fn find<'a>(node: &'a Node, name: &str) -> Option<&'a Parameter> {
-    node.parameters.iter().rfind(|parameter| parameter.name == name)
-}
-
-/// A value that is one number.
-fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::Float(number) => Some(*number),
-        Value::Integer(number) => Some(*number as f64),
-        _ => None,
-    }
 }

@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 
 use super::Parameters;
-use crate::{Child, Diagnostic, Fault, Parameter, list_names, near_names};
+use crate::diagnostic::{Diagnostic, Fault};
+use crate::document::{Child, Parameter};
+use crate::names::{list_names, near_names};
 
 impl Parameters<'_> {
     /// Reports every parameter and child that was not read, with the near names among those that

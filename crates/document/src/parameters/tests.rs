@@ -20,7 +20,7 @@ fn place(sources: &Sources, word: &str) -> Span {
 fn document(parameters: Vec<(&str, Value)>) -> Document {
     let mut sources = Sources::default();
     sources.add("test.xml", TEXT);
-    let node = |class, plugin: &str, word: &str| Node {
+    let node = |class, plugin: &str, word: &str| FlatNode {
         class,
         plugin: plugin.into(),
         id: None,

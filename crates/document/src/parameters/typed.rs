@@ -5,7 +5,12 @@ use std::ops::RangeBounds;
 use glam::{DMat4, DVec3};
 
 use super::Parameters;
-use crate::{Diagnostic, Fault, Span, SpectrumValue, Value, list_names, near_names};
+use crate::buffer::Buffer;
+use crate::diagnostic::{Diagnostic, Fault};
+use crate::document::Parameter;
+use crate::names::{list_names, near_names};
+use crate::span::Span;
+use crate::value::{SpectrumValue, Value};
 
 impl<'a> Parameters<'a> {
     /// True or false.
@@ -148,6 +153,35 @@ impl<'a> Parameters<'a> {
         }
     }
 
+    /// A shared array, if there is one.
+    pub fn buffer(&self, name: &str) -> Option<&'a Buffer> {
+        self.typed(name, "a buffer", |value| match value {
+            Value::Buffer(buffer) => Some(buffer),
+            _ => None,
+        })
+    }
+
+    /// The shared arrays whose names start with `prefix` and have not been asked for, with their
+    /// names, in order. Messages list them as `prefix*`.
+    pub fn buffers_with_prefix(&self, prefix: &str) -> Vec<(&'a str, &'a Buffer)> {
+        let is_wanted = |parameter: &&Parameter| {
+            let name = parameter.name.as_str();
+            name.starts_with(prefix) && !self.asked.borrow().iter().any(|asked| asked == name)
+        };
+        let buffer = |parameter: &'a Parameter| match &parameter.value {
+            Value::Buffer(buffer) => Some((parameter.name.as_str(), buffer)),
+            _ => None,
+        };
+        let found = self.node.parameters.iter().filter(is_wanted).filter_map(buffer).collect();
+        for (index, parameter) in self.node.parameters.iter().enumerate() {
+            if is_wanted(&parameter) && buffer(parameter).is_some() {
+                self.parameters_read.borrow_mut()[index] = true;
+            }
+        }
+        self.ask(&format!("{prefix}*"));
+        found
+    }
+
     /// One of a few names; any other is an error that lists them, and the default is returned.
     pub fn choice<T: Copy>(&self, name: &str, default: T, choices: &[(&str, T)]) -> T {
         let Some(typed) = self.optional_string(name) else {
@@ -192,7 +226,7 @@ impl<'a> Parameters<'a> {
         self.diagnostics.error(Fault::BadValue, self.span_of(name), message);
     }
 
-    /// The name as the file spells it.
+    /// The name as the scene spells it.
     fn original_name<'b>(&self, name: &'b str) -> &'b str
     where
         'a: 'b,

@@ -1,4 +1,4 @@
-//! What is rendered as something near, gathered so that each kind is reported once.
+//! Approximations, gathered so that each kind is reported once.
 
 use std::collections::BTreeMap;
 
@@ -40,15 +40,18 @@ impl Approximations {
 fn list_places(first: Span, others: &[Span], sources: &Sources) -> String {
     let mut files: Vec<(SourceId, Vec<String>)> = Vec::new();
     for place in others.iter().take(LISTED) {
-        let line = sources.locate(*place).line.to_string();
+        let (Some(source), Some(line)) = (place.source(), sources.locate(*place).line()) else {
+            continue;
+        };
+        let line = line.to_string();
         match files.last_mut() {
-            Some((source, lines)) if *source == place.source => lines.push(line),
-            _ => files.push((place.source, vec![line])),
+            Some((last, lines)) if *last == source => lines.push(line),
+            _ => files.push((source, vec![line])),
         }
     }
     let part = |(source, mut lines): (SourceId, Vec<String>)| {
         lines.dedup();
-        let file = sources.get(source).filter(|_| source != first.source);
+        let file = sources.get(source).filter(|_| Some(source) != first.source());
         let file = file.map_or(String::new(), |file| format!("in {} ", file.name()));
         let word = if lines.len() == 1 { "line" } else { "lines" };
         format!("{file}on {word} {}", lines.join(", "))

@@ -1,13 +1,17 @@
 //! BSDFs: the Phong and Ward models, and microfacet distributions that are gone.
 
-use etendue_document::{Child, Class, List, Node, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Child, Class, FlatNode, List, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
-use super::{find, number, take};
+use super::entries::{find, number, take};
 
 /// Upgrades one BSDF; new nodes come at the end.
-pub(super) fn upgrade(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+pub(super) fn upgrade(
+    nodes: &mut Vec<FlatNode>,
+    index: usize,
+    approximations: &mut Approximations,
+) {
     match nodes[index].plugin.as_str() {
         "phong" | "ward" => glossy(nodes, index, approximations),
         name if name.starts_with("rough") => distribution(&mut nodes[index], approximations),
@@ -16,7 +20,7 @@ pub(super) fn upgrade(nodes: &mut Vec<Node>, index: usize, approximations: &mut 
 }
 
 /// Until version 0.6 a conductor of which nothing is said is copper; since then, a mirror.
-pub(super) fn old_defaults(node: &mut Node) {
+pub(super) fn old_defaults(node: &mut FlatNode) {
     let conductor = matches!(node.plugin.as_str(), "conductor" | "roughconductor");
     let stated = |name: &str| {
         find(node, name).is_some()
@@ -30,7 +34,7 @@ pub(super) fn old_defaults(node: &mut Node) {
 
 /// `as` (anisotropic Phong, Ashikhmin and Shirley) and `phong` take Beckmann's place with the same
 /// `alpha`, from which version 0.6 derives their exponents.
-fn distribution(node: &mut Node, approximations: &mut Approximations) {
+fn distribution(node: &mut FlatNode, approximations: &mut Approximations) {
     let mut parameters = node.parameters.iter_mut();
     let Some(parameter) = parameters.rfind(|parameter| parameter.name == "distribution") else {
         return;
@@ -56,7 +60,7 @@ struct Glossy {
 /// Phong and Ward add a glossy lobe to a diffuse one. So does a blend of `roughconductor` without
 /// Fresnel term and `diffuse`, each divided by its weight. Where a texture stands for one of the
 /// colors, nothing can be divided: then `roughplastic` is nearest.
-fn glossy(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+fn glossy(nodes: &mut Vec<FlatNode>, index: usize, approximations: &mut Approximations) {
     let node = &mut nodes[index];
     let plugin = std::mem::take(&mut node.plugin);
     let (alpha_u, alpha_v) = roughness(node, &plugin);
@@ -84,7 +88,7 @@ fn glossy(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximatio
 /// Ward's lobe falls off with exp(−tan²θ_h / α²), which is Beckmann's. Phong's falls off with
 /// cosⁿ of the angle to the mirror direction, which is twice θ_h, so with exp(−2 n θ_h²) near the
 /// middle: α² = 1 / (2 n + 1), which is Walter et al. 2007, section 5.2, for an exponent of 4 n.
-fn roughness(node: &mut Node, plugin: &str) -> (f64, f64) {
+fn roughness(node: &mut FlatNode, plugin: &str) -> (f64, f64) {
     let mut read = |name: &str, default: f64| {
         take(node, name).and_then(|parameter| number(&parameter.value)).unwrap_or(default)
     };
@@ -97,7 +101,7 @@ fn roughness(node: &mut Node, plugin: &str) -> (f64, f64) {
 }
 
 /// A color that is the same everywhere; `None` where it is a texture or measured.
-fn color(node: &Node, name: &str, default: f64) -> Option<DVec3> {
+fn color(node: &FlatNode, name: &str, default: f64) -> Option<DVec3> {
     if node.children.iter().any(|child| child.name.as_deref() == Some(name)) {
         return None;
     }
@@ -112,7 +116,7 @@ fn color(node: &Node, name: &str, default: f64) -> Option<DVec3> {
 }
 
 /// Makes the node a blend of two new ones.
-fn blend(nodes: &mut Vec<Node>, index: usize, glossy: &Glossy) {
+fn blend(nodes: &mut Vec<FlatNode>, index: usize, glossy: &Glossy) {
     let (diffuse, specular) = (glossy.diffuse.max_element(), glossy.specular.max_element());
     let sum = diffuse + specular;
     let weight = if sum > 0.0 { (specular / sum).clamp(0.0, 1.0) } else { 0.0 };
@@ -148,8 +152,12 @@ fn blend(nodes: &mut Vec<Node>, index: usize, glossy: &Glossy) {
 }
 
 /// A BSDF that stands where the node stands that it was made from.
-pub(super) fn with_parameters(origin: &Node, plugin: &str, parameters: Vec<Parameter>) -> Node {
-    Node {
+pub(super) fn with_parameters(
+    origin: &FlatNode,
+    plugin: &str,
+    parameters: Vec<Parameter>,
+) -> FlatNode {
+    FlatNode {
         class: Class::Bsdf,
         plugin: plugin.into(),
         id: None,
@@ -160,6 +168,6 @@ pub(super) fn with_parameters(origin: &Node, plugin: &str, parameters: Vec<Param
 }
 
 /// A parameter that stands for the whole node it was made from.
-pub(super) fn new_parameter(origin: &Node, name: &str, value: Value) -> Parameter {
+pub(super) fn new_parameter(origin: &FlatNode, name: &str, value: Value) -> Parameter {
     Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
 }

@@ -1,10 +1,10 @@
 //! Emitters: version 0.6's `sky`, `sun` and `sunsky` are one `sunsky` now, whose up is +z.
 
-use etendue_document::{Node, Parameter, Value};
+use etendue_document::{FlatNode, Parameter, Value};
 use glam::{DMat4, DVec4};
 
 use super::approximation::Approximations;
-use super::{find, number, take};
+use super::entries::{find, number, take};
 
 /// The sky's own space in that of version 0.6, whose up is +y, with the north at −z and the east at +x.
 /// Version 3 has up +z, the south at +x and the west at +y.
@@ -24,7 +24,7 @@ const LEAST_RADIUS: f64 = 0.01;
 const WITHOUT_MEANING: [&str; 3] = ["resolution", "stretch", "sampling_weight"];
 
 /// Upgrades an emitter; `is_old` where its file is of version 0.x.
-pub(super) fn upgrade(node: &mut Node, is_old: bool) {
+pub(super) fn upgrade(node: &mut FlatNode, is_old: bool) {
     let (own_scale, other_scale) = match node.plugin.as_str() {
         "sky" => ("sky_scale", Some("sun_scale")),
         "sun" => ("sun_scale", Some("sky_scale")),
@@ -55,7 +55,7 @@ pub(super) fn upgrade(node: &mut Node, is_old: bool) {
 }
 
 /// Makes a `timed_sunsky`, whose sun wanders, the `sunsky` of its first day, halfway through the hours.
-pub(super) fn stop_the_clock(node: &mut Node, approximations: &mut Approximations) {
+pub(super) fn stop_the_clock(node: &mut FlatNode, approximations: &mut Approximations) {
     if node.plugin != "timed_sunsky" {
         return;
     }
@@ -89,7 +89,7 @@ const TIME_PARAMETERS: [&str; 7] = [
 ];
 
 /// Gives a parameter a value, at the place of the parameter that it replaces or of the node.
-fn set(node: &mut Node, name: &str, value: Value) {
+fn set(node: &mut FlatNode, name: &str, value: Value) {
     let span = take(node, name).map_or(node.span, |old| old.span);
     let (name, original_name) = (name.into(), name.into());
     node.parameters.push(Parameter { name, original_name, value, span });

@@ -1,9 +1,9 @@
 //! Integrators that only steer another one.
 
-use etendue_document::{Class, Node, Parameter, Value};
+use etendue_document::{Class, FlatNode, Parameter, Value};
 
 use super::approximation::Approximations;
-use super::{find, take};
+use super::entries::{find, take};
 
 /// Wrappers of version 0.6 that change where samples go or what is cached, not the picture that
 /// the integrator inside them converges to; and version 3's Stokes vectors, whose first component
@@ -11,7 +11,7 @@ use super::{find, take};
 const WRAPPERS: &[&str] = &["adaptive", "irrcache", "stokes"];
 
 /// Upgrades an integrator whose children have been upgraded.
-pub(super) fn upgrade(nodes: &mut [Node], index: usize, approximations: &mut Approximations) {
+pub(super) fn upgrade(nodes: &mut [FlatNode], index: usize, approximations: &mut Approximations) {
     drop_strict_normals(&mut nodes[index], approximations);
     unwrap(nodes, index, approximations);
 }
@@ -20,7 +20,7 @@ pub(super) fn upgrade(nodes: &mut [Node], index: usize, approximations: &mut App
 /// normal. Version 3 has nothing of the kind and drops it from the scenes that it converts; meshes
 /// without normals are smooth there, and lose much light by it. Scenes written in the old way are
 /// rendered as version 3 renders them; `strict_normals` still asks for it.
-fn drop_strict_normals(node: &mut Node, approximations: &mut Approximations) {
+fn drop_strict_normals(node: &mut FlatNode, approximations: &mut Approximations) {
     let old = find(node, "strict_normals").filter(|old| old.original_name == "strictNormals");
     let Some(Parameter { value: Value::Boolean(wanted), span, .. }) = old.cloned() else { return };
     take(node, "strict_normals");
@@ -31,7 +31,7 @@ fn drop_strict_normals(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// Puts the nested integrator, which has been upgraded, in the place of its wrapper.
-fn unwrap(nodes: &mut [Node], index: usize, approximations: &mut Approximations) {
+fn unwrap(nodes: &mut [FlatNode], index: usize, approximations: &mut Approximations) {
     let wrapper = &nodes[index];
     if !WRAPPERS.contains(&wrapper.plugin.as_str()) {
         return;
@@ -42,7 +42,7 @@ fn unwrap(nodes: &mut [Node], index: usize, approximations: &mut Approximations)
     };
     let message = format!("`{}` is left out around `{}`", wrapper.plugin, inner.plugin);
     approximations.add(message, wrapper.span);
-    let Node { plugin, parameters, children, .. } = inner.clone();
+    let FlatNode { plugin, parameters, children, .. } = inner.clone();
     let outer = &mut nodes[index];
     (outer.plugin, outer.parameters, outer.children) = (plugin, parameters, children);
 }

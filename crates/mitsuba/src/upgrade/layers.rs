@@ -1,18 +1,22 @@
 //! BSDFs made of others, and sheets: mixtures, coatings, diffuse transmission, woven cloth.
 
-use etendue_document::{Child, Class, Node, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Child, Class, FlatNode, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
 use super::bsdf::{new_parameter, with_parameters};
-use super::{find, number, take};
+use super::entries::{find, number, take};
 
 /// The reflectance of a coat at normal incidence where its index is not given as a number: that of
 /// glass.
 const USUAL_REFLECTANCE: f64 = 0.04;
 
 /// Upgrades one BSDF whose children have been upgraded; new nodes come at the end.
-pub(super) fn upgrade(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+pub(super) fn upgrade(
+    nodes: &mut Vec<FlatNode>,
+    index: usize,
+    approximations: &mut Approximations,
+) {
     match nodes[index].plugin.as_str() {
         "mixturebsdf" => mixture(nodes, index),
         "coating" | "roughcoating" => coating(nodes, index, approximations),
@@ -24,14 +28,14 @@ pub(super) fn upgrade(nodes: &mut Vec<Node>, index: usize, approximations: &mut 
 }
 
 /// The children that are BSDFs.
-fn nested(nodes: &[Node], index: usize) -> Vec<Child> {
+fn nested(nodes: &[FlatNode], index: usize) -> Vec<Child> {
     let is_bsdf = |child: &&Child| nodes[child.node.index()].class == Class::Bsdf;
     nodes[index].children.iter().filter(is_bsdf).cloned().collect()
 }
 
 /// A mixture of any number becomes blends of two. What its weights leave to one is black; where
 /// they are above one, all are scaled down, as version 0.6 does.
-fn mixture(nodes: &mut Vec<Node>, index: usize) {
+fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     let Some(Value::String(text)) = find(&nodes[index], "weights").map(|weights| &weights.value)
     else {
         return;
@@ -54,20 +58,20 @@ fn mixture(nodes: &mut Vec<Node>, index: usize) {
         parts.push((add(nodes, black), 1.0 - total));
     }
     let root = blend(nodes, index, &parts);
-    let Node { plugin, parameters, children, .. } = nodes[root.node.index()].clone();
+    let FlatNode { plugin, parameters, children, .. } = nodes[root.node.index()].clone();
     let node = &mut nodes[index];
     (node.plugin, node.parameters, node.children) = (plugin, parameters, children);
 }
 
 /// Appends a node, and names it as a child of what is to hold it.
-fn add(nodes: &mut Vec<Node>, node: Node) -> Child {
+fn add(nodes: &mut Vec<FlatNode>, node: FlatNode) -> Child {
     let child = Child { name: None, node: NodeId(nodes.len() as u32), span: node.span };
     nodes.push(node);
     child
 }
 
 /// Blends of halves, and halves of those, so that they do not get deep.
-fn blend(nodes: &mut Vec<Node>, origin: usize, parts: &[(Child, f64)]) -> Child {
+fn blend(nodes: &mut Vec<FlatNode>, origin: usize, parts: &[(Child, f64)]) -> Child {
     if let [(only, _)] = parts {
         return only.clone();
     }
@@ -85,7 +89,7 @@ fn blend(nodes: &mut Vec<Node>, origin: usize, parts: &[(Child, f64)]) -> Child 
 
 /// A clear coat over a diffuse base is `plastic`; over anything else, a mirror is mixed in as much
 /// as the coat reflects from above.
-fn coating(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximations) {
+fn coating(nodes: &mut Vec<FlatNode>, index: usize, approximations: &mut Approximations) {
     let bases = nested(nodes, index);
     let [base] = bases.as_slice() else { return };
     let below = nodes[base.node.index()].clone();
@@ -117,7 +121,7 @@ fn coating(nodes: &mut Vec<Node>, index: usize, approximations: &mut Approximati
 }
 
 /// Makes a coating of a diffuse base that has been taken out of it.
-fn coat_diffuse(node: &mut Node, base: &Node, plugin: &str) {
+fn coat_diffuse(node: &mut FlatNode, base: &FlatNode, plugin: &str) {
     let kept = ["int_ior", "ext_ior", "specular_reflectance", "alpha", "distribution"];
     keep(node, &kept);
     let reflectance = base.parameters.iter().filter(|parameter| parameter.name == "reflectance");
@@ -139,12 +143,12 @@ fn coat_diffuse(node: &mut Node, base: &Node, plugin: &str) {
 }
 
 /// Removes all parameters and children but some.
-fn keep(node: &mut Node, names: &[&str]) {
+fn keep(node: &mut FlatNode, names: &[&str]) {
     node.parameters.retain(|parameter| names.contains(&parameter.name.as_str()));
     node.children.retain(|child| child.name.as_deref().is_some_and(|name| names.contains(&name)));
 }
 
-fn normal_reflectance(node: &Node) -> f64 {
+fn normal_reflectance(node: &FlatNode) -> f64 {
     let index = |name: &str| find(node, name).and_then(|parameter| number(&parameter.value));
     let Some(inside) = index("int_ior") else { return USUAL_REFLECTANCE };
     let eta = inside / index("ext_ior").unwrap_or(1.0);
@@ -153,7 +157,7 @@ fn normal_reflectance(node: &Node) -> f64 {
 }
 
 /// Diffuse transmission is a thin sheet that lets all diffuse light pass.
-fn diffuse_transmitter(node: &mut Node) {
+fn diffuse_transmitter(node: &mut FlatNode) {
     rename(node, "transmittance", "base_color");
     let all = new_parameter(node, "diff_trans", Value::Float(2.0));
     node.parameters.push(all);
@@ -161,7 +165,7 @@ fn diffuse_transmitter(node: &mut Node) {
 }
 
 /// Hanrahan and Krueger's slab becomes a sheet of its albedo, with half of the light on either side.
-fn slab(node: &mut Node, approximations: &mut Approximations) {
+fn slab(node: &mut FlatNode, approximations: &mut Approximations) {
     let albedo = take(node, "albedo").and_then(|albedo| color(&albedo.value));
     let [scattering, absorption] =
         ["sigma_s", "sigma_a"].map(|name| take(node, name).and_then(|found| color(&found.value)));
@@ -182,7 +186,7 @@ fn slab(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// Woven cloth becomes a rough surface: its weave is in a file of its own kind.
-fn cloth(node: &mut Node, approximations: &mut Approximations) {
+fn cloth(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters = vec![new_parameter(node, "alpha", Value::Float(0.5))].into();
     node.children.clear();
     node.plugin = "roughdiffuse".into();
@@ -190,7 +194,7 @@ fn cloth(node: &mut Node, approximations: &mut Approximations) {
     approximations.add(message, node.span);
 }
 
-fn rename(node: &mut Node, old: &str, new: &str) {
+fn rename(node: &mut FlatNode, old: &str, new: &str) {
     let parameters = node.parameters.iter_mut().filter(|parameter| parameter.name == old);
     parameters.for_each(|parameter: &mut Parameter| parameter.name = new.into());
     let children = node.children.iter_mut().filter(|child| child.name.as_deref() == Some(old));

@@ -1,16 +1,16 @@
 //! Media, their phase functions and volumes.
 
-use etendue_document::{Child, Class, List, Node, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Child, Class, FlatNode, List, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
-use super::{find, number, take};
+use super::entries::{find, number, take};
 
 /// The media of version 0.6 that have names, by what was measured of them.
 static PRESETS: &str = include_str!("data/media.txt");
 
 /// Upgrades one medium.
-pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
+pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) {
     // Both ways to track light lead to the same picture, but for the bias of one.
     take(node, "method");
     take(node, "step_size");
@@ -20,7 +20,7 @@ pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// Until version 0.6 a medium of which nothing is said is skin.
-pub(super) fn old_defaults(node: &mut Node) {
+pub(super) fn old_defaults(node: &mut FlatNode) {
     let stated = ["material", "sigma_s", "sigma_a", "sigma_t", "albedo"];
     let says_nothing = stated.iter().all(|name| !has(node, name));
     if node.class == Class::Medium && node.plugin == "homogeneous" && says_nothing {
@@ -30,7 +30,7 @@ pub(super) fn old_defaults(node: &mut Node) {
 }
 
 /// `sigma_s` and `sigma_a`, or a preset of both, become `sigma_t` and `albedo`.
-fn coefficients(node: &mut Node, approximations: &mut Approximations) {
+fn coefficients(node: &mut FlatNode, approximations: &mut Approximations) {
     let preset = preset(node);
     let (stated_s, stated_a) = (constant(node, "sigma_s"), constant(node, "sigma_a"));
     if preset.is_none() && stated_s.is_none() && stated_a.is_none() {
@@ -55,7 +55,7 @@ fn coefficients(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// Takes the name of a preset: its scattering and absorption. An unknown name stays, to be reported.
-fn preset(node: &mut Node) -> Option<(DVec3, DVec3)> {
+fn preset(node: &mut FlatNode) -> Option<(DVec3, DVec3)> {
     let Value::String(name) = &find(node, "material")?.value else { return None };
     let name = name.to_lowercase();
     let lines = PRESETS.lines().filter(|line| !line.starts_with('#'));
@@ -68,7 +68,7 @@ fn preset(node: &mut Node) -> Option<(DVec3, DVec3)> {
 }
 
 /// Takes a color that is the same everywhere; others stay, to be reported.
-fn constant(node: &mut Node, name: &str) -> Option<DVec3> {
+fn constant(node: &mut FlatNode, name: &str) -> Option<DVec3> {
     let value = match &find(node, name)?.value {
         Value::Rgb(color) => *color,
         Value::Spectrum(SpectrumValue::Constant(number)) => DVec3::splat(*number),
@@ -79,14 +79,14 @@ fn constant(node: &mut Node, name: &str) -> Option<DVec3> {
 }
 
 /// Upgrades one phase function whose children have been upgraded; new nodes come at the end.
-pub(super) fn upgrade_phase(nodes: &mut Vec<Node>, index: usize) {
+pub(super) fn upgrade_phase(nodes: &mut Vec<FlatNode>, index: usize) {
     if nodes[index].plugin == "mixturephase" {
         mixture(nodes, index);
     }
 }
 
 /// A mixture of any number of phase functions becomes blends of two: the first and the rest.
-fn mixture(nodes: &mut Vec<Node>, index: usize) {
+fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     let node = &nodes[index];
     let Some(Parameter { value: Value::String(text), .. }) = find(node, "weights") else { return };
     let weights: Vec<f64> = text
@@ -111,7 +111,7 @@ fn mixture(nodes: &mut Vec<Node>, index: usize) {
     for (first, weight) in parts {
         sum += weight;
         let share = if sum > 0.0 { (sum - weight) / sum } else { 0.0 };
-        let mut blend = Node {
+        let mut blend = FlatNode {
             class: Class::Phase,
             plugin: "blendphase".into(),
             id: None,
@@ -123,13 +123,13 @@ fn mixture(nodes: &mut Vec<Node>, index: usize) {
         nodes.push(blend);
         rest = Child { name: None, node: NodeId(nodes.len() as u32 - 1), span };
     }
-    let Node { plugin, parameters, children, .. } = nodes[rest.node.index()].clone();
+    let FlatNode { plugin, parameters, children, .. } = nodes[rest.node.index()].clone();
     let node = &mut nodes[index];
     (node.plugin, node.parameters, node.children) = (plugin, parameters, children);
 }
 
 /// Upgrades one volume whose children have been upgraded.
-pub(super) fn upgrade_volume(nodes: &mut [Node], index: usize) {
+pub(super) fn upgrade_volume(nodes: &mut [FlatNode], index: usize) {
     take(&mut nodes[index], "send_data");
     // A cache of another volume's values.
     if nodes[index].plugin != "volcache" {
@@ -137,13 +137,13 @@ pub(super) fn upgrade_volume(nodes: &mut [Node], index: usize) {
     }
     let mut nested = nodes[index].children.iter().map(|child| &nodes[child.node.index()]);
     let Some(inner) = nested.find(|inner| inner.class == Class::Volume) else { return };
-    let Node { plugin, parameters, children, .. } = inner.clone();
+    let FlatNode { plugin, parameters, children, .. } = inner.clone();
     let outer = &mut nodes[index];
     (outer.plugin, outer.parameters, outer.children) = (plugin, parameters, children);
 }
 
 /// Until version 0.6 the box that a grid's file names always counts.
-pub(super) fn old_grid(node: &mut Node) {
+pub(super) fn old_grid(node: &mut FlatNode) {
     let is_grid = node.class == Class::Volume && node.plugin == "gridvolume";
     if is_grid && find(node, "use_grid_bbox").is_none() {
         let own_box = parameter(node, "use_grid_bbox", Value::Boolean(true));
@@ -152,7 +152,7 @@ pub(super) fn old_grid(node: &mut Node) {
 }
 
 /// Until version 0.6 a shape around a medium that says nothing of its surface has none.
-pub(super) fn old_boundary(nodes: &mut Vec<Node>, index: usize) {
+pub(super) fn old_boundary(nodes: &mut Vec<FlatNode>, index: usize) {
     let node = &nodes[index];
     let holds = |class| node.children.iter().any(|child| nodes[child.node.index()].class == class);
     if !holds(Class::Medium)
@@ -163,7 +163,7 @@ pub(super) fn old_boundary(nodes: &mut Vec<Node>, index: usize) {
         return;
     }
     let span = node.span;
-    let surface = Node {
+    let surface = FlatNode {
         class: Class::Bsdf,
         plugin: "null".into(),
         id: None,
@@ -176,12 +176,12 @@ pub(super) fn old_boundary(nodes: &mut Vec<Node>, index: usize) {
     nodes[index].children.push(child);
 }
 
-fn has(node: &Node, name: &str) -> bool {
+fn has(node: &FlatNode, name: &str) -> bool {
     find(node, name).is_some()
         || node.children.iter().any(|child| child.name.as_deref() == Some(name))
 }
 
 /// A parameter that stands for the whole node it was made from.
-fn parameter(origin: &Node, name: &str, value: Value) -> Parameter {
+fn parameter(origin: &FlatNode, name: &str, value: Value) -> Parameter {
     Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
 }

@@ -1,11 +1,11 @@
 //! Parameter names: camelCase, and names that have changed.
 
-use etendue_document::{NameInterner, Node};
+use etendue_document::{FlatNode, NameInterner};
 
 use super::tables;
 
 /// Gives every parameter and child of a node its name of version 3.
-pub(super) fn upgrade(node: &mut Node, names: &mut NameInterner) {
+pub(super) fn upgrade(node: &mut FlatNode, names: &mut NameInterner) {
     for parameter in &mut node.parameters {
         if let Some(name) = snake_case(&parameter.name) {
             parameter.name = names.name(&name);
@@ -22,7 +22,7 @@ pub(super) fn upgrade(node: &mut Node, names: &mut NameInterner) {
 }
 
 /// Renames a parameter or child, unless the new name is taken.
-fn rename(node: &mut Node, old: &str, new: &str) {
+fn rename(node: &mut FlatNode, old: &str, new: &str) {
     let taken = node.parameters.iter().any(|parameter| parameter.name == new)
         || node.children.iter().any(|child| child.name.as_deref() == Some(new));
     if taken {

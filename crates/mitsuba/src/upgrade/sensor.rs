@@ -1,11 +1,11 @@
 //! Sensors: a pinhole camera with an aperture is a thin lens.
 
-use etendue_document::{Diagnostics, Fault, Node};
+use etendue_document::{Diagnostics, Fault, FlatNode};
 
-use super::{find, number, take};
+use super::entries::{find, number, take};
 
 /// Makes a `perspective` sensor with an aperture a `thinlens`, as its author meant.
-pub(super) fn upgrade(node: &mut Node, diagnostics: &Diagnostics) {
+pub(super) fn upgrade(node: &mut FlatNode, diagnostics: &Diagnostics) {
     if node.plugin != "perspective" {
         return;
     }

@@ -1,9 +1,9 @@
 //! Shapes: version 3's `merge` says how meshes are kept in memory, and nothing of the picture.
 
-use etendue_document::{Child, Class, Node};
+use etendue_document::{Child, Class, FlatNode};
 
 /// Puts the shapes inside a `merge`, which have been dissolved themselves, in its place.
-pub(super) fn dissolve_merges(nodes: &mut [Node], index: usize) {
+pub(super) fn dissolve_merges(nodes: &mut [FlatNode], index: usize) {
     let is_merge = |child: &Child| {
         let node = &nodes[child.node.index()];
         node.class == Class::Shape && node.plugin == "merge"

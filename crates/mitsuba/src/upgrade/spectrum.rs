@@ -1,13 +1,13 @@
 //! Spectra that version 3 writes as plugins, nested in what they belong to, are values here: they mean
 //! the same, and the renderer knows from the parameter whether they are light or reflectance.
 
-use etendue_document::{Class, Node, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Class, FlatNode, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
-use super::{find, number};
+use super::entries::{find, number};
 
 /// Makes values of a node's spectra.
-pub(super) fn inline(nodes: &mut [Node], index: usize) {
+pub(super) fn inline(nodes: &mut [FlatNode], index: usize) {
     if !nodes[index].children.iter().any(|child| value(nodes, child.node).is_some()) {
         return;
     }
@@ -25,7 +25,7 @@ pub(super) fn inline(nodes: &mut [Node], index: usize) {
 }
 
 /// The value of a spectrum; `None` of anything else, and where it does not say enough.
-fn value(nodes: &[Node], node: NodeId) -> Option<Value> {
+fn value(nodes: &[FlatNode], node: NodeId) -> Option<Value> {
     let node = &nodes[node.index()];
     if node.class != Class::Texture {
         return None;
@@ -61,7 +61,7 @@ fn value(nodes: &[Node], node: NodeId) -> Option<Value> {
 }
 
 /// Values at equal steps from one wavelength to another.
-fn regular(node: &Node) -> Option<Value> {
+fn regular(node: &FlatNode) -> Option<Value> {
     let values = numbers(node, "values")?;
     let bound = |name| number(&find(node, name)?.value);
     let (low, high) = (bound("wavelength_min")?, bound("wavelength_max")?);
@@ -78,7 +78,7 @@ fn samples(wavelengths: Vec<f64>, values: Vec<f64>) -> Option<Value> {
 }
 
 /// A list of numbers, written as a text with commas or spaces between them.
-fn numbers(node: &Node, name: &str) -> Option<Vec<f64>> {
+fn numbers(node: &FlatNode, name: &str) -> Option<Vec<f64>> {
     let Value::String(text) = &find(node, name)?.value else { return None };
     let words = text.split(|letter: char| letter == ',' || letter.is_whitespace());
     words.filter(|word| !word.is_empty()).map(|word| word.parse().ok()).collect()

@@ -1,6 +1,6 @@
 //! What has changed between versions, as data.
 
-use etendue_document::{Class, Node};
+use etendue_document::{Class, FlatNode};
 
 use super::approximation::Approximations;
 
@@ -110,7 +110,7 @@ static RENAMED_PLUGINS: &[(Class, &str, &str)] = &[
 ];
 
 /// Gives a plugin its name of today.
-pub(super) fn rename_plugin(node: &mut Node) {
+pub(super) fn rename_plugin(node: &mut FlatNode) {
     let same = |rule: &&(Class, &str, &str)| rule.0 == node.class && node.plugin == rule.1;
     if let Some((_, _, new)) = RENAMED_PLUGINS.iter().find(same) {
         node.plugin = (*new).into();
@@ -118,7 +118,7 @@ pub(super) fn rename_plugin(node: &mut Node) {
 }
 
 /// Puts the nearest plugin in the place of one that this version lacks.
-pub(super) fn approximate_plugin(node: &mut Node, approximations: &mut Approximations) {
+pub(super) fn approximate_plugin(node: &mut FlatNode, approximations: &mut Approximations) {
     let rule = APPROXIMATED.iter().find(|rule| rule.class == node.class && node.plugin == rule.old);
     if let Some(rule) = rule {
         let message = format!("`{}` is rendered as `{}`, {}", rule.old, rule.new, rule.loss);

@@ -1,13 +1,13 @@
 //! Textures: the scale and offset of coordinates, filters, wrapping, gamma.
 
-use etendue_document::{Node, Parameter, Value};
+use etendue_document::{FlatNode, Parameter, Value};
 use glam::{DMat4, DVec3};
 
 use super::approximation::Approximations;
-use super::{find, number, take};
+use super::entries::{find, number, take};
 
 /// Upgrades the parameters of one texture.
-pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
+pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) {
     coordinates(node);
     match node.plugin.as_str() {
         "vertexcolors" => vertex_colors(node),
@@ -23,14 +23,14 @@ pub(super) fn upgrade(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// The colours of vertices are an attribute of their mesh like any other.
-fn vertex_colors(node: &mut Node) {
+fn vertex_colors(node: &mut FlatNode) {
     node.parameters =
         vec![parameter(node, "name", Value::String("vertex_color".to_owned()))].into();
     node.plugin = "mesh_attribute".into();
 }
 
 /// Edges cannot be told from texture coordinates: what remains is the colour between them.
-fn wireframe(node: &mut Node, approximations: &mut Approximations) {
+fn wireframe(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters.retain(|parameter| parameter.name == "interior_color");
     node.children.retain(|child| child.name.as_deref() == Some("interior_color"));
     node.parameters.iter_mut().for_each(|parameter| parameter.name = "color0".into());
@@ -44,7 +44,7 @@ fn wireframe(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// Curvature is a picture of numbers that nothing here computes.
-fn curvature(node: &mut Node, approximations: &mut Approximations) {
+fn curvature(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters = vec![parameter(node, "color0", Value::Float(0.5))].into();
     node.children.clear();
     without_lines(node);
@@ -52,20 +52,20 @@ fn curvature(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// A grid of no lines is a colour.
-fn without_lines(node: &mut Node) {
+fn without_lines(node: &mut FlatNode) {
     let width = parameter(node, "line_width", Value::Float(0.0));
     node.parameters.push(width);
     node.plugin = "gridtexture".into();
 }
 
 /// A parameter that stands for the whole node.
-fn parameter(node: &Node, name: &str, value: Value) -> Parameter {
+fn parameter(node: &FlatNode, name: &str, value: Value) -> Parameter {
     Parameter { name: name.into(), original_name: name.into(), value, span: node.span }
 }
 
 /// `uscale`, `vscale`, `uoffset`, `voffset` become `to_uv`: scaled first, then moved, as version
 /// 0.6 does.
-fn coordinates(node: &mut Node) {
+fn coordinates(node: &mut FlatNode) {
     let mut place = None;
     let mut read = |name: &str, default: f64| {
         let value = find(node, name).and_then(|parameter| number(&parameter.value));
@@ -95,7 +95,7 @@ fn coordinates(node: &mut Node) {
 }
 
 /// Filters that look at several levels of detail are replaced by the one that looks at one.
-fn filter(node: &mut Node, approximations: &mut Approximations) {
+fn filter(node: &mut FlatNode, approximations: &mut Approximations) {
     replace_text(node, "filter_type", |filter| match filter {
         "trilinear" | "ewa" | "isotropic" | "anisotropic" => {
             let message =
@@ -109,7 +109,7 @@ fn filter(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// `wrap_mode_u` and `wrap_mode_v` become one `wrap_mode`; `zero` and `one` have no equal.
-fn wrapping(node: &mut Node, approximations: &mut Approximations) {
+fn wrapping(node: &mut FlatNode, approximations: &mut Approximations) {
     let u = take(node, "wrap_mode_u");
     let v = take(node, "wrap_mode_v");
     if let (Some(u), Some(v)) = (&u, &v)
@@ -132,7 +132,7 @@ fn wrapping(node: &mut Node, approximations: &mut Approximations) {
 }
 
 /// A gamma of 1 means raw numbers; negative ones ask for what the file says.
-fn gamma(node: &mut Node, approximations: &mut Approximations) {
+fn gamma(node: &mut FlatNode, approximations: &mut Approximations) {
     let Some((gamma, span)) = find(node, "gamma").and_then(|p| Some((number(&p.value)?, p.span)))
     else {
         return;
@@ -155,7 +155,7 @@ fn gamma(node: &mut Node, approximations: &mut Approximations) {
 
 /// Replaces a text where `replacement` knows another; returns what is to be reported, and where.
 fn replace_text(
-    node: &mut Node,
+    node: &mut FlatNode,
     name: &str,
     replacement: impl Fn(&str) -> Option<(&'static str, Option<String>)>,
 ) -> Option<(String, etendue_document::Span)> {

@@ -100,7 +100,7 @@ fn findings(name: &str, bytes: &[u8]) -> (Vec<(Severity, Fault, usize)>, Diagnos
     let _ = read_file(Path::new(&path), &resources, &LoadOptions::default(), &diagnostics);
     let text = String::from_utf8_lossy(bytes);
     let line = |span: Option<Span>| {
-        let start = span.expect("it has a place").start as usize;
+        let start = span.expect("it has a place").range().start;
         1 + text.bytes().take(start).filter(|byte| *byte == b'\n').count()
     };
     let found = diagnostics.sorted();

@@ -161,7 +161,7 @@ fn parameters_keep_their_place_and_the_name_as_typed() {
     assert_eq!(parameter.name, "face_normals");
     assert_eq!(parameter.original_name, "faceNormals");
     let place = document.sources.locate(parameter.span);
-    assert_eq!((place.line, place.column), (3, 3));
+    assert_eq!(place.to_string(), "<scene>:3:3");
     let text = document.sources.excerpt(parameter.span);
     assert_eq!(text, "<boolean name='faceNormals' value='true'");
 }

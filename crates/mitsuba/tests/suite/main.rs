@@ -10,7 +10,7 @@ mod transforms;
 mod upgrades;
 
 use etendue_document::{
-    Diagnostics, Document, Fault, MemoryResources, Node, NodeId, Resources, Severity, Value,
+    Diagnostics, Document, Fault, FlatNode, MemoryResources, NodeId, Resources, Severity, Value,
 };
 use etendue_mitsuba::{LoadOptions, read_text};
 
@@ -42,7 +42,7 @@ fn clean(content: &str) -> Document {
 impl Loaded {
     /// Severity, fault and line of every finding; line 0 is for no place.
     fn findings(&self) -> Vec<(Severity, Fault, usize)> {
-        let place = |span| self.document.sources.locate(span).line;
+        let place = |span| self.document.sources.locate(span).line().unwrap_or_default();
         let found = self.diagnostics.sorted().into_iter();
         found.map(|found| (found.severity, found.fault, found.span.map_or(0, place))).collect()
     }
@@ -61,22 +61,22 @@ impl Loaded {
 }
 
 /// The child of the scene at a position.
-fn object(document: &Document, position: usize) -> &Node {
+fn object(document: &Document, position: usize) -> &FlatNode {
     let scene = document.node(document.root);
     document.node(scene.children[position].node)
 }
 
 /// The node inside another one at a position.
-fn nested<'a>(document: &'a Document, node: &Node, position: usize) -> &'a Node {
+fn nested<'a>(document: &'a Document, node: &FlatNode, position: usize) -> &'a FlatNode {
     document.node(node.children[position].node)
 }
 
-fn child_ids(node: &Node) -> Vec<NodeId> {
+fn child_ids(node: &FlatNode) -> Vec<NodeId> {
     node.children.iter().map(|child| child.node).collect()
 }
 
 /// The parameter of that name, of which there must be one.
-fn value<'a>(node: &'a Node, name: &str) -> &'a Value {
+fn value<'a>(node: &'a FlatNode, name: &str) -> &'a Value {
     let mut found = node.parameters.iter().filter(|parameter| parameter.name == name);
     let parameter = found.next().unwrap_or_else(|| panic!("no `{name}` in {node:?}"));
     assert!(found.next().is_none(), "two of `{name}`");
@@ -84,6 +84,6 @@ fn value<'a>(node: &'a Node, name: &str) -> &'a Value {
 }
 
 /// The names of all parameters, in order.
-fn names(node: &Node) -> Vec<&str> {
+fn names(node: &FlatNode) -> Vec<&str> {
     node.parameters.iter().map(|parameter| parameter.name.as_str()).collect()
 }

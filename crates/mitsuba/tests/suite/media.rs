@@ -1,6 +1,6 @@
 //! Media of older versions in the terms of version 3.
 
-use etendue_document::{Class, Diagnostics, Document, MemoryResources, Node, Value};
+use etendue_document::{Class, Diagnostics, Document, FlatNode, MemoryResources, Value};
 use etendue_mitsuba::{LoadOptions, read_text};
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ fn old(content: &str) -> Document {
     read_text(&text, &resources, &LoadOptions::default(), &diagnostics).expect("it is a scene")
 }
 
-fn close(node: &Node, name: &str, expected: [f64; 3]) {
+fn close(node: &FlatNode, name: &str, expected: [f64; 3]) {
     let Value::Rgb(found) = value(node, name) else { panic!("{name}: {node:?}") };
     assert!((*found - DVec3::from_array(expected)).length() < 1e-12, "{name}: {found}");
 }

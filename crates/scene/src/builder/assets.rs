@@ -271,14 +271,12 @@ impl<'a> Assets<'a> {
         self.hashes.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), hash);
     }
 
-    /// The hash of everything the scene was built from: the texts, and every file read.
+    /// The hash of everything the scene was built from: the document, and every file read.
     pub(super) fn content_hash(&self) -> [u8; 32] {
         let mut hasher = blake3::Hasher::new();
-        for source in self.document.sources.iter() {
-            for piece in source.pieces() {
-                hasher.update(&piece);
-            }
-        }
+        self.document.for_each_byte(|bytes| {
+            hasher.update(bytes);
+        });
         for hash in self.hashes.lock().unwrap_or_else(PoisonError::into_inner).values() {
             hasher.update(&hash.to_le_bytes());
         }

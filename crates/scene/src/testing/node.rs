@@ -2,7 +2,7 @@
 
 use crate::builder::{Assets, BuildOptions, Builder};
 use etendue_document::{
-    Child, Class, Diagnostic, Diagnostics, Document, List, MemoryResources, Node, NodeId,
+    Child, Class, Diagnostic, Diagnostics, Document, FlatNode, List, MemoryResources, NodeId,
     Parameter, Parameters, Resolver, SourceId, Sources, Span, Value,
 };
 use std::collections::BTreeSet;
@@ -99,7 +99,7 @@ impl TestNode {
     }
 }
 
-fn node(class: Class, plugin: &str, span: Span) -> Node {
+fn node(class: Class, plugin: &str, span: Span) -> FlatNode {
     let plugin = plugin.into();
-    Node { class, plugin, id: None, span, parameters: List::new(), children: List::new() }
+    FlatNode { class, plugin, id: None, span, parameters: List::new(), children: List::new() }
 }

@@ -1,0 +1,259 @@
+//! Nodes and ids while a document is made, and the checks that every document passes.
+
+use std::collections::{BTreeSet, HashMap};
+
+use crate::class::Class;
+use crate::diagnostic::{Diagnostic, Diagnostics, Fault};
+use crate::document::{Child, Document, FlatNode};
+use crate::graph;
+use crate::name::{Name, NameInterner};
+use crate::names::{list_names, near_names};
+use crate::resolver::Resolver;
+use crate::source::Sources;
+use crate::span::{NodeId, Span};
+
+/// Bounds on what a scene may ask for, far above what real scenes need.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DocumentLimits {
+    /// How deep objects may nest, references counted in.
+    pub depth: usize,
+    /// Objects of the whole scene.
+    pub nodes: usize,
+    /// How many objects one object may come to when every reference in it is followed.
+    pub expanded_nodes: u64,
+}
+
+impl Default for DocumentLimits {
+    fn default() -> Self {
+        Self { depth: 64, nodes: 4_000_000, expanded_nodes: 1_000_000 }
+    }
+}
+
+/// What an id stands for.
+#[derive(Clone, Debug)]
+pub enum Target {
+    /// An object.
+    Node(NodeId),
+    /// Another id.
+    Alias(Name),
+    /// An object that could not be read, which has been reported.
+    Broken,
+}
+
+/// A child that is named by its id, until [`DocumentBuilder::finish`].
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The node that has the child.
+    pub parent: NodeId,
+    /// The id.
+    pub id: Name,
+    /// The place of the id.
+    pub span: Span,
+    /// The position among the parent's children.
+    child: usize,
+}
+
+/// An id with its place.
+#[derive(Clone, Debug)]
+struct Named {
+    target: Target,
+    span: Span,
+}
+
+/// Near ids are sought for this many unknown ones, unless there are too many ids to compare
+/// with: the time grows with the product of both numbers.
+const SUGGESTED: usize = 20;
+const COMPARED_IDS: usize = 200_000;
+
+/// An alias may stand for an alias, but hardly for a long chain of them.
+const ALIAS_LIMIT: usize = 8;
+
+/// Collects the nodes of a document. Readers of every format use it, so that ids, references and
+/// limits work the same for all of them; it reports what is wrong, and never panics.
+#[derive(Debug)]
+pub struct DocumentBuilder<'a> {
+    limits: DocumentLimits,
+    diagnostics: &'a Diagnostics,
+    nodes: Vec<FlatNode>,
+    names: NameInterner,
+    ids: HashMap<Name, Named>,
+    references: Vec<Reference>,
+    incomplete: BTreeSet<NodeId>,
+}
+
+impl<'a> DocumentBuilder<'a> {
+    /// Nothing yet. Findings go to `diagnostics`.
+    pub fn new(limits: DocumentLimits, diagnostics: &'a Diagnostics) -> Self {
+        Self {
+            limits,
+            diagnostics,
+            nodes: Vec::new(),
+            names: NameInterner::default(),
+            ids: HashMap::new(),
+            references: Vec::new(),
+            incomplete: BTreeSet::new(),
+        }
+    }
+
+    /// The shared form of a name.
+    pub fn name(&mut self, word: &str) -> Name {
+        self.names.name(word)
+    }
+
+    /// Makes room for nodes ahead. Unused room costs nothing, but a growing vector leaves holes in
+    /// memory that nothing else fits into.
+    pub fn reserve(&mut self, count: usize) {
+        let room = self.limits.nodes.saturating_sub(self.nodes.len());
+        self.nodes.reserve(count.min(room));
+    }
+
+    /// Adds a node, which is nobody's child yet; `None` after reporting that there are too many. The
+    /// first one is the root.
+    pub fn push(&mut self, node: FlatNode) -> Option<NodeId> {
+        if self.nodes.len() >= self.limits.nodes.max(1) {
+            let message = format!("more than {} objects", self.limits.nodes);
+            self.diagnostics.error(Fault::Limit, node.span, message);
+            return None;
+        }
+        self.nodes.push(node);
+        Some(NodeId(self.nodes.len() as u32 - 1))
+    }
+
+    /// The nodes so far.
+    pub fn nodes(&self) -> &[FlatNode] {
+        &self.nodes
+    }
+
+    /// A node that has been added.
+    ///
+    /// # Panics
+    ///
+    /// If it has not.
+    pub fn node_mut(&mut self, id: NodeId) -> &mut FlatNode {
+        &mut self.nodes[id.index()]
+    }
+
+    /// Gives something an id; reports an id that is taken.
+    pub fn define(&mut self, id: Name, target: Target, span: Span) {
+        if let Some(earlier) = self.ids.get(&id) {
+            let message = format!("the id `{id}` is given twice");
+            self.diagnostics.push(
+                Diagnostic::error(Fault::BadValue, span, message)
+                    .related(earlier.span, "given here before"),
+            );
+            return;
+        }
+        self.ids.insert(id, Named { target, span });
+    }
+
+    /// Adds a child that is defined elsewhere, before or after: the child's role and place, and the id
+    /// and its place.
+    pub fn refer(&mut self, parent: NodeId, role: (Option<Name>, Span), id: (&str, Span)) {
+        let ((name, span), (id, id_span)) = (role, id);
+        let known = self.known_shape(id);
+        let children = &mut self.nodes[parent.index()].children;
+        let child = children.len();
+        children.push(Child { name, node: known.unwrap_or(graph::UNRESOLVED), span });
+        if known.is_none() {
+            let id = self.names.name(id);
+            self.references.push(Reference { parent, id, span: id_span, child });
+        }
+    }
+
+    /// The shape of an id that has been defined already, for which no reference need be kept. (Shapes
+    /// alone: readers may redirect references to a material once everything is known.)
+    fn known_shape(&self, id: &str) -> Option<NodeId> {
+        match self.ids.get(id)?.target {
+            Target::Node(node) if self.nodes[node.index()].class == Class::Shape => Some(node),
+            _ => None,
+        }
+    }
+
+    /// Remembers that a child of a node could not be read, which has been reported.
+    pub fn mark_incomplete(&mut self, node: NodeId) {
+        self.incomplete.insert(node);
+    }
+
+    /// Resolves all references. In the document, children form a graph without cycles, of bounded
+    /// depth and size.
+    ///
+    /// # Panics
+    ///
+    /// If no node was added.
+    pub fn finish(self, sources: Sources, resolver: Resolver) -> Document {
+        self.finish_with(sources, resolver, |node, _| node)
+    }
+
+    /// The same, where `redirect` may choose another node for a reference than the one its id names.
+    ///
+    /// # Panics
+    ///
+    /// If no node was added.
+    pub fn finish_with(
+        mut self,
+        sources: Sources,
+        resolver: Resolver,
+        redirect: impl Fn(NodeId, &Reference) -> NodeId,
+    ) -> Document {
+        assert!(!self.nodes.is_empty(), "a document has a root");
+        self.check_aliases();
+        let mut unknown = 0;
+        for reference in &self.references {
+            if let Some(node) = self.follow(&reference.id) {
+                let child = &mut self.nodes[reference.parent.index()].children[reference.child];
+                child.node = redirect(node, reference);
+            } else if !self.ids.contains_key(&reference.id) {
+                unknown += 1;
+                self.report_unknown(reference, unknown <= SUGGESTED);
+            }
+        }
+        let Self { mut nodes, mut incomplete, limits, diagnostics, .. } = self;
+        incomplete.append(&mut graph::make_acyclic(&mut nodes, diagnostics, &limits));
+        Document { nodes, root: NodeId(0), incomplete, sources, resolver }
+    }
+
+    /// The object that an id stands for at the end of its aliases, if there is one.
+    fn follow(&self, id: &str) -> Option<NodeId> {
+        let mut target = &self.ids.get(id)?.target;
+        for _ in 0..=ALIAS_LIMIT {
+            match target {
+                Target::Alias(next) => target = &self.ids.get(next)?.target,
+                Target::Node(node) => return Some(*node),
+                Target::Broken => return None,
+            }
+        }
+        None
+    }
+
+    /// Reports aliases that lead to nothing.
+    fn check_aliases(&self) {
+        for named in self.ids.values() {
+            let Target::Alias(id) = &named.target else {
+                continue;
+            };
+            if self.diagnostics.is_full() {
+                return;
+            }
+            let fault = match self.ids.get(id).map(|next| &next.target) {
+                None => format!("there is no object with the id `{id}` for this alias"),
+                Some(Target::Alias(_)) if self.follow(id).is_none() => {
+                    format!("the alias for `{id}` leads to no object")
+                }
+                Some(_) => continue,
+            };
+            self.diagnostics.error(Fault::BadValue, named.span, fault);
+        }
+    }
+
+    fn report_unknown(&self, reference: &Reference, suggest: bool) {
+        let message = format!("there is no object with the id `{}`", reference.id);
+        let mut diagnostic = Diagnostic::error(Fault::BadValue, reference.span, message);
+        let suggest = suggest && self.ids.len() <= COMPARED_IDS;
+        let known = self.ids.keys().map(Name::as_str).filter(|_| suggest);
+        let near = near_names(&reference.id, known);
+        if !near.is_empty() {
+            diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));
+        }
+        self.diagnostics.push(diagnostic);
+    }
+}

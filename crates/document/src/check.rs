@@ -1,0 +1,123 @@
+//! Whether values can be used, whatever text or code they come from.
+
+use glam::{DMat3, DMat4, DVec3};
+
+use crate::value::{SpectrumValue, Value};
+
+/// How far the last row of an affine matrix may be from 0, 0, 0, 1, for the digits that exporters
+/// write.
+const AFFINE_TOLERANCE: f64 = 1e-4;
+
+/// If three unit columns span a smaller volume than this, it is rounding error.
+const SINGULAR_VOLUME: f64 = 1e-12;
+
+/// Why a matrix cannot be used as the transformation `name`, if it cannot. Coordinates on a surface
+/// (`to_uv`) need not be invertible.
+pub fn transform_problem(name: &str, matrix: DMat4) -> Option<&'static str> {
+    let is_planar = matches!(name, "to_uv" | "toUV");
+    if !matrix.is_finite() {
+        Some("this transform has numbers beyond all bounds")
+    } else if !is_planar && !is_affine(matrix) {
+        Some("the last row of a matrix must be 0, 0, 0, 1")
+    } else if !is_planar && is_singular(matrix) {
+        Some("this transform is singular: it has no inverse")
+    } else {
+        None
+    }
+}
+
+pub(crate) fn is_affine(matrix: DMat4) -> bool {
+    let last = matrix.row(3);
+    last.truncate().abs().max_element() <= AFFINE_TOLERANCE
+        && (last.w - 1.0).abs() <= AFFINE_TOLERANCE
+}
+
+/// Whether a direction is lost. Independent of the scale, so that tiny objects are no fault.
+fn is_singular(matrix: DMat4) -> bool {
+    let linear = DMat3::from_mat4(matrix);
+    let unit = |column: DVec3| column.normalize_or_zero();
+    let unit = DMat3::from_cols(unit(linear.x_axis), unit(linear.y_axis), unit(linear.z_axis));
+    unit.determinant().abs() < SINGULAR_VOLUME || !matrix.inverse().is_finite()
+}
+
+/// Why a value cannot be used, if it cannot: the checks that readers of text make while they read.
+pub(crate) fn value_problem(name: &str, value: &Value) -> Option<String> {
+    let is_finite = match value {
+        Value::Boolean(_) | Value::Integer(_) | Value::String(_) | Value::Buffer(_) => true,
+        Value::Float(number) => number.is_finite(),
+        Value::Point(vector) | Value::Vector(vector) | Value::Rgb(vector) => vector.is_finite(),
+        Value::Points(points) => points.iter().all(|point| point.is_finite()),
+        Value::Blackbody { temperature, scale } => {
+            if *temperature <= 0.0 {
+                return Some("a temperature must be above 0 kelvin".to_owned());
+            }
+            temperature.is_finite() && scale.is_finite()
+        }
+        Value::Spectrum(spectrum) => return spectrum_problem(name, spectrum),
+        // A matrix that is not affine has become NaN on its way here.
+        Value::Transform(affine) if !affine.is_finite() => {
+            return Some(format!("`{name}` must be an affine transform of finite numbers"));
+        }
+        Value::Transform(affine) => {
+            return transform_problem(name, (*affine).into()).map(str::to_owned);
+        }
+    };
+    (!is_finite).then(|| not_finite(name))
+}
+
+fn spectrum_problem(name: &str, spectrum: &SpectrumValue) -> Option<String> {
+    let is_finite = match spectrum {
+        SpectrumValue::Constant(constant) => constant.is_finite(),
+        SpectrumValue::File(_) => true,
+        SpectrumValue::Samples(samples) => {
+            if samples.windows(2).any(|pair| pair[0].0 >= pair[1].0) {
+                return Some("wavelengths must ascend".to_owned());
+            }
+            samples.iter().all(|(wavelength, value)| wavelength.is_finite() && value.is_finite())
+        }
+    };
+    (!is_finite).then(|| not_finite(name))
+}
+
+fn not_finite(name: &str) -> String {
+    format!("`{name}` must be finite, but holds NaN or an infinity")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_no_text_could_state_are_refused() {
+        let problem = |value: Value| value_problem("x", &value);
+        let mut perspective = DMat4::IDENTITY;
+        perspective.z_axis.w = 1.0;
+        for good in [
+            Value::Float(1.0),
+            Value::Spectrum(SpectrumValue::Samples(vec![(400.0, 1.0), (500.0, 2.0)])),
+            Value::Blackbody { temperature: 5000.0, scale: 1.0 },
+            DMat4::from_scale(DVec3::splat(1e-9)).into(),
+        ] {
+            assert_eq!(problem(good), None);
+        }
+        let not_finite = Some("`x` must be finite, but holds NaN or an infinity".to_owned());
+        assert_eq!(problem(Value::Float(f64::NAN)), not_finite);
+        assert_eq!(problem(Value::Rgb(DVec3::INFINITY)), not_finite);
+        assert_eq!(problem(Value::Spectrum(SpectrumValue::Constant(f64::NAN))), not_finite);
+        for (bad, words) in [
+            (Value::Blackbody { temperature: 0.0, scale: 1.0 }, "above 0 kelvin"),
+            (Value::Spectrum(SpectrumValue::Samples(vec![(2.0, 0.0), (1.0, 0.0)])), "ascend"),
+            (DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0)).into(), "singular"),
+            (perspective.into(), "affine"),
+        ] {
+            assert!(problem(bad).is_some_and(|problem| problem.contains(words)), "{words}");
+        }
+    }
+
+    #[test]
+    fn coordinates_on_a_surface_may_be_collapsed() {
+        let flat = DMat4::from_scale(DVec3::new(0.0, 1.0, 1.0));
+        assert_eq!(transform_problem("to_uv", flat), None);
+        assert!(transform_problem("to_world", flat).is_some());
+    }
+}

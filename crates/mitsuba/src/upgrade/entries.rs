@@ -1,0 +1,30 @@
+//! Parameters of a node that is being upgraded.
+
+use etendue_document::{FlatNode, Parameter, Value};
+
+/// Removes the parameters of that name and returns the last, which is the one that counts.
+pub(super) fn take(node: &mut FlatNode, name: &str) -> Option<Parameter> {
+    let mut taken = None;
+    node.parameters.retain(|parameter| {
+        let wanted = parameter.name == name;
+        if wanted {
+            taken = Some(parameter.clone());
+        }
+        !wanted
+    });
+    taken
+}
+
+/// The parameter of that name that counts: the last.
+pub(super) fn find<'a>(node: &'a FlatNode, name: &str) -> Option<&'a Parameter> {
+    node.parameters.iter().rfind(|parameter| parameter.name == name)
+}
+
+/// A value that is one number.
+pub(super) fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Float(number) => Some(*number),
+        Value::Integer(number) => Some(*number as f64),
+        _ => None,
+    }
+}
