@@ -248,8 +248,8 @@ impl<'a> DocumentBuilder<'a> {
     fn report_unknown(&self, reference: &Reference, suggest: bool) {
         let message = format!("there is no object with the id `{}`", reference.id);
         let mut diagnostic = Diagnostic::error(Fault::BadValue, reference.span, message);
-        let suggest = suggest && self.ids.len() <= COMPARED_IDS;
-        let known = self.ids.keys().map(Name::as_str).filter(|_| suggest);
+        let compared = if suggest && self.ids.len() <= COMPARED_IDS { self.ids.len() } else { 0 };
+        let known = self.ids.keys().map(Name::as_str).take(compared);
         let near = near_names(&reference.id, known);
         if !near.is_empty() {
             diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));
