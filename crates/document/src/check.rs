@@ -1,44 +1,7 @@
 //! Whether values can be used, whatever text or code they come from.
 
-use glam::{DMat3, DMat4, DVec3};
-
+use crate::transform::transform_problem;
 use crate::value::{SpectrumValue, Value};
-
-/// How far the last row of an affine matrix may be from 0, 0, 0, 1, for the digits that exporters
-/// write.
-const AFFINE_TOLERANCE: f64 = 1e-4;
-
-/// If three unit columns span a smaller volume than this, it is rounding error.
-const SINGULAR_VOLUME: f64 = 1e-12;
-
-/// Why a matrix cannot be used as the transformation `name`, if it cannot. Coordinates on a surface
-/// (`to_uv`) need not be invertible.
-pub fn transform_problem(name: &str, matrix: DMat4) -> Option<&'static str> {
-    let is_planar = matches!(name, "to_uv" | "toUV");
-    if !matrix.is_finite() {
-        Some("this transform has numbers beyond all bounds")
-    } else if !is_planar && !is_affine(matrix) {
-        Some("the last row of a matrix must be 0, 0, 0, 1")
-    } else if !is_planar && is_singular(matrix) {
-        Some("this transform is singular: it has no inverse")
-    } else {
-        None
-    }
-}
-
-pub(crate) fn is_affine(matrix: DMat4) -> bool {
-    let last = matrix.row(3);
-    last.truncate().abs().max_element() <= AFFINE_TOLERANCE
-        && (last.w - 1.0).abs() <= AFFINE_TOLERANCE
-}
-
-/// Whether a direction is lost. Independent of the scale, so that tiny objects are no fault.
-fn is_singular(matrix: DMat4) -> bool {
-    let linear = DMat3::from_mat4(matrix);
-    let unit = |column: DVec3| column.normalize_or_zero();
-    let unit = DMat3::from_cols(unit(linear.x_axis), unit(linear.y_axis), unit(linear.z_axis));
-    unit.determinant().abs() < SINGULAR_VOLUME || !matrix.inverse().is_finite()
-}
 
 /// Why a value cannot be used, if it cannot: the checks that readers of text make while they read.
 pub(crate) fn value_problem(name: &str, value: &Value) -> Option<String> {
@@ -85,6 +48,8 @@ fn not_finite(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use glam::{DMat4, DVec3};
+
     use super::*;
 
     #[test]
@@ -112,12 +77,5 @@ mod tests {
         ] {
             assert!(problem(bad).is_some_and(|problem| problem.contains(words)), "{words}");
         }
-    }
-
-    #[test]
-    fn coordinates_on_a_surface_may_be_collapsed() {
-        let flat = DMat4::from_scale(DVec3::new(0.0, 1.0, 1.0));
-        assert_eq!(transform_problem("to_uv", flat), None);
-        assert!(transform_problem("to_world", flat).is_some());
     }
 }

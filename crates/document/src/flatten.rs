@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
-use crate::builder::{DocumentBuilder, DocumentLimits, Target};
+use crate::builder::{DocumentBuilder, Target};
 use crate::check::value_problem;
 use crate::class::{CLASS_COUNT, Class};
 use crate::diagnostic::{Diagnostics, Fault};
 use crate::document::{Child, Document, FlatNode, Parameter};
+use crate::limits::DocumentLimits;
 use crate::list::List;
 use crate::name::Name;
 use crate::node::{Entry, HEIGHT_LIMIT, Item, Node};

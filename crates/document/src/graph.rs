@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::builder::DocumentLimits;
 use crate::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::document::FlatNode;
+use crate::limits::DocumentLimits;
 use crate::name::Name;
 use crate::span::NodeId;
 

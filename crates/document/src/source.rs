@@ -1,5 +1,6 @@
 //! The texts a document was read from, and places in them.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::node_path::NodePaths;
@@ -32,6 +33,15 @@ impl Source {
             Text::Whole(text) => text.clone(),
             Text::Packed(packed) => packed.unpack().into(),
         }
+    }
+
+    /// The bytes of the text in order, of a packed one without unpacking all of it.
+    pub fn pieces(&self) -> impl Iterator<Item = Cow<'_, [u8]>> {
+        let (whole, packed) = match &self.text {
+            Text::Whole(text) => (Some(Cow::Borrowed(text.as_bytes())), None),
+            Text::Packed(packed) => (None, Some(packed.pieces().map(Cow::Owned))),
+        };
+        whole.into_iter().chain(packed.into_iter().flatten())
     }
 
     /// Bytes of the text.
@@ -191,8 +201,9 @@ mod tests {
         let small = sources.add("small.xml", "<scene/>");
         let span = Span::new(id, line.len() * 1000 + 13..line.len() * 1000 + 20);
         let told = |sources: &Sources| {
-            let texts: Vec<_> = sources.iter().map(Source::text).collect();
-            (sources.locate(span), sources.excerpt(span), texts)
+            let bytes: Vec<u8> =
+                sources.iter().flat_map(|s| s.pieces().collect::<Vec<_>>().concat()).collect();
+            (sources.locate(span), sources.excerpt(span), bytes)
         };
         let before = told(&sources);
         assert_eq!(line_and_column(&before.0), (1001, 14));

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat4, DVec3, Vec3};
 
 use crate::buffer::Buffer;
-use crate::check;
+use crate::transform::{is_affine, look_at_matrix};
 
 /// A typed parameter value.
 ///
@@ -84,6 +84,13 @@ pub fn vector(coordinates: impl Into<DVec3>) -> Value {
     Value::Vector(coordinates.into())
 }
 
+/// The placement of a camera at `origin` that looks at `target`: see [`look_at_matrix`]. An impossible
+/// view becomes a transform that the document refuses.
+pub fn look_at(origin: impl Into<DVec3>, target: impl Into<DVec3>, up: impl Into<DVec3>) -> Value {
+    let matrix = look_at_matrix(origin.into(), target.into(), up.into());
+    matrix.map_or(Value::Transform(DAffine3::NAN), Value::transform)
+}
+
 /// Implements `From` by an expression.
 macro_rules! values_from {
     ($($from:ty: $name:ident => $value:expr),+ $(,)?) => {$(
@@ -113,13 +120,11 @@ values_from! {
     Buffer: buffer => Self::Buffer(buffer),
 }
 
-const NO_NUMBERS: DAffine3 = DAffine3 { matrix3: glam::DMat3::NAN, translation: DVec3::NAN };
-
 /// A matrix that is not affine becomes a transformation without numbers, which a document refuses.
 impl From<DMat4> for Value {
     fn from(matrix: DMat4) -> Self {
         let affine = DAffine3::from_mat4(matrix);
-        Self::Transform(if check::is_affine(matrix) { affine } else { NO_NUMBERS })
+        Self::Transform(if is_affine(matrix) { affine } else { DAffine3::NAN })
     }
 }
 

@@ -26,6 +26,9 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!
+//! [`render_node`] does the same for a scene that is built in code from [`document::Node`]s, whose meshes and
+//! pictures may be arrays in memory: see `examples/scene_from_code.rs`.
+//!
 //! # In steps
 //!
 //! The same in steps, with news and a way to stop, is what the command line does:
@@ -82,9 +85,9 @@ pub use etendue_engine::{
     Statistics, Workers,
 };
 pub use files::Files;
-pub use load::{LoadTimes, Loaded, LoadedScene, load, load_text};
+pub use load::{LoadTimes, Loaded, LoadedScene, load, load_node, load_text};
 pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SampleChoice, SceneOptions, SensorChoice};
-pub use render_job::{RenderJob, render_file, render_text};
+pub use render_job::{RenderJob, render_file, render_node, render_text};
 pub use rendering::Rendering;
 pub use sums_file::SumsFile;
 

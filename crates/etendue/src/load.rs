@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use etendue_document::{Diagnostics, Document, Resources, Sources};
+use etendue_document::{
+    Diagnostics, Document, DocumentOptions, Node, Resolver, Resources, Sources,
+};
 use etendue_integrators::{Integrator, build_integrator};
 use etendue_mitsuba::LoadOptions;
 use etendue_scene::{BuildOptions, Scene, gather_scene};
@@ -67,6 +69,22 @@ pub fn load_text(
     let load_options = load_options(working_directory, options);
     load_with(resources, options, |diagnostics| {
         etendue_mitsuba::read_text(text, resources, &load_options, diagnostics)
+    })
+}
+
+/// The same for a scene that was built in code. The files that it names are sought in
+/// `working_directory`, and diagnostics name nodes by their paths.
+pub fn load_node(
+    scene: Node,
+    working_directory: PathBuf,
+    resources: &dyn Resources,
+    options: &SceneOptions,
+) -> Loaded {
+    let search_paths = options.search_paths.clone();
+    let resolver = Resolver { search_paths, working_directory, ..Resolver::default() };
+    let document_options = DocumentOptions { resolver, ..DocumentOptions::default() };
+    load_with(resources, options, |diagnostics| {
+        Ok(Document::build(scene, &document_options, diagnostics))
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use etendue_document::{MemoryResources, Resources};
+use etendue_document::{MemoryResources, Node, Resources};
 use etendue_engine::{
     Budget, Camera, FilmRecord, FilmSums, Host, Job, Region, SampleSource, Statistics, render_into,
 };
@@ -14,7 +14,7 @@ use crate::load::LoadedScene;
 use crate::options::DEFAULT_MEMORY_LIMIT;
 use crate::{
     Cancel, Error, Files, Loaded, Observer, RenderOptions, Rendering, SceneOptions, SensorChoice,
-    Silent, Workers, load, load_text,
+    Silent, Workers, load, load_node, load_text,
 };
 
 /// Reads a scene file from disk and renders it: the whole way on one page.
@@ -47,6 +47,21 @@ pub fn render_text(
 ) -> Result<Rendering, Error> {
     let nothing: &dyn Resources = &MemoryResources::default();
     render_loaded(options, || load_text(text, PathBuf::new(), nothing, scene_options))
+}
+
+/// Renders a scene that was built in code. Files that it names are sought in the current folder.
+///
+/// # Errors
+///
+/// As [`render_file`].
+pub fn render_node(
+    scene: Node,
+    scene_options: &SceneOptions,
+    options: &RenderOptions,
+) -> Result<Rendering, Error> {
+    let files = Files::default();
+    let folder = std::env::current_dir().unwrap_or_default();
+    render_loaded(options, || load_node(scene, folder, &files, scene_options))
 }
 
 fn render_loaded(

@@ -8,10 +8,10 @@ use etendue_document::near_names;
 /// The longest name in bytes that is looked for after a dollar sign.
 pub(crate) const NAME_LENGTH: usize = 64;
 
-/// Near names are sought among so many.
+/// At most this many names are searched for near ones.
 const COMPARED_NAMES: usize = 1000;
 
-/// The values that `$name` stands for, in the order in which the scene states its defaults.
+/// The values of `$names`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Defines {
     values: BTreeMap<String, Define>,
@@ -23,7 +23,7 @@ pub(crate) struct Defines {
 
 #[derive(Clone, Debug)]
 struct Define {
-    /// `None` where the scene gives a value that could not be expanded, which has been reported.
+    /// `None` for a value that could not be expanded, which has been reported.
     value: Option<String>,
     /// Given by the caller, not by the scene.
     given: bool,
@@ -33,11 +33,11 @@ struct Define {
 /// Why a value cannot be expanded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum ExpansionError {
-    /// No such name; the offset in the value, its length, the near names.
+    /// There is no such name.
     Undefined { name: String, offset: usize, near: Vec<String> },
     /// The expansions have grown beyond the limit.
     TooLong,
-    /// The name has a value that could not be expanded itself.
+    /// The name's own value could not be expanded.
     Broken,
 }
 
@@ -50,8 +50,8 @@ impl Defines {
         Self { values, expanded_bytes: 0, expansion_limit, exhausted: false }
     }
 
-    /// States a default, which counts unless there is a value already; `None` is one that could
-    /// not be expanded.
+    /// Sets a default, which counts unless the name has a value; `None` is a default that could not be
+    /// expanded.
     pub(crate) fn add_default(&mut self, name: &str, value: Option<&str>) {
         match self.values.get_mut(name) {
             Some(define) => define.used = true,
@@ -63,7 +63,7 @@ impl Defines {
         }
     }
 
-    /// Replaces every `$name`. What comes in is not expanded again.
+    /// Replaces every `$name`. Inserted values are not expanded again.
     pub(crate) fn expand<'a>(&mut self, text: &'a str) -> Result<Cow<'a, str>, ExpansionError> {
         if !text.contains('$') {
             return Ok(Cow::Borrowed(text));
@@ -86,7 +86,7 @@ impl Defines {
         Ok(Cow::Owned(expanded))
     }
 
-    /// The names the caller gave that nothing in the scene mentions, and all names there are.
+    /// The names that the caller gave and the scene does not use, and the names that it does use.
     pub(crate) fn unused(&self) -> (Vec<&str>, Vec<&str>) {
         let unused = self.values.iter().filter(|(_, define)| define.given && !define.used);
         let known = self.values.iter().filter(|(_, define)| define.used);
@@ -96,8 +96,8 @@ impl Defines {
 
     /// The value of the name after the dollar sign at `dollar`, and the length of the name.
     ///
-    /// As in Mitsuba, the name is the longest known one that the text goes on with, so that
-    /// `$resx` is `$res` followed by an `x` where only `res` is known.
+    /// As in Mitsuba, the longest known name wins: `$resx` is `$res` followed by an `x` where only `res`
+    /// is known.
     fn lookup(&mut self, text: &str, dollar: usize) -> Result<(usize, &str), ExpansionError> {
         let rest = &text[dollar + 1..];
         let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());

@@ -37,7 +37,7 @@ pub(crate) fn alias(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
     }
 }
 
-/// `<ref id="..."/>`: an object that stands elsewhere, before or after.
+/// `<ref id="..."/>`: an object defined elsewhere, before or after.
 pub(crate) fn reference(loader: &mut Loader<'_>, element: &Element<'_>, parent: NodeId) {
     let Some(id) = element.required("id", loader.diagnostics) else {
         return;

@@ -43,7 +43,7 @@ pub(crate) struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// Expands the attributes; reports what cannot be.
+    /// Expands the attributes; reports those that cannot be expanded.
     pub(crate) fn open(
         node: roxmltree::Node<'a, 'a>,
         origin: &Origin,
@@ -89,7 +89,7 @@ impl<'a> Element<'a> {
         self.attribute(name).map(|attribute| &*attribute.value)
     }
 
-    /// An attribute the element cannot do without; reports its absence.
+    /// A required attribute; reports its absence.
     pub(crate) fn required(&self, name: &str, diagnostics: &Diagnostics) -> Option<&Attribute<'a>> {
         let found = self.attribute(name);
         if found.is_none() && !self.broken {
@@ -135,7 +135,7 @@ impl<'a> Element<'a> {
     }
 
     /// Three numbers in `value`, or one for all three, or `x`, `y` and `z`, each `default` when
-    /// absent; without a default all three must be there.
+    /// absent; without a default all three are required.
     pub(crate) fn vector(&self, default: Option<f64>, diagnostics: &Diagnostics) -> Option<DVec3> {
         if let Some(value) = self.attribute("value") {
             return self.vector_in(value, diagnostics);

@@ -1,4 +1,4 @@
-//! Every element and what is done with it.
+//! The table of all elements.
 
 use etendue_document::{Class, NodeId, Value};
 
@@ -19,9 +19,9 @@ pub(crate) enum Kind {
         /// Whether it holds elements that `read` looks at.
         nested: bool,
     },
-    /// Something to do.
+    /// An instruction to the reader.
     Directive {
-        /// Does it, inside the given object.
+        /// Carries it out, inside the given object.
         run: fn(&mut Loader<'_>, &Element<'_>, NodeId),
         /// The attributes it takes.
         attributes: &'static [&'static str],
@@ -47,7 +47,7 @@ const fn directive(
     Kind::Directive { run, attributes }
 }
 
-/// The elements that stand inside a `<scene>` or an object.
+/// The elements inside a `<scene>` or an object.
 ///
 /// `camera` and `luminaire` are the names of versions before 0.5.
 static ELEMENTS: &[(&str, Kind)] = &[

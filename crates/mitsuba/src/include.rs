@@ -8,7 +8,7 @@ use crate::element::Element;
 use crate::loader::{Loader, OpenFile};
 use crate::text;
 
-/// Near names are sought for this many missing files: for each, whole folders are listed.
+/// Near names are sought for this many missing files, because each search lists whole folders.
 const SUGGESTED: usize = 20;
 
 /// Opens what `<include filename="..."/>` names: the text of a `<scene>`, or of one object. After it
@@ -43,7 +43,7 @@ pub(crate) fn close(loader: &mut Loader<'_>) {
     loader.open_files.pop();
 }
 
-/// Whether a file may be included here; reports loops, with the way they go, and limits.
+/// Whether a file may be included here; reports cycles, with all files on them, and limits.
 fn may_include(loader: &Loader<'_>, path: &Path, span: Span) -> bool {
     let report = |fault, message: String| {
         let mut diagnostic = Diagnostic::error(fault, span, message);

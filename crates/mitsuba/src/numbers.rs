@@ -11,7 +11,7 @@ pub(crate) struct NumberError {
     pub(crate) range: Range<usize>,
 }
 
-/// The words of a value: commas, spaces and line breaks separate, alone or together.
+/// The words of a value, separated by any run of commas and white space.
 pub(crate) fn words(value: &str) -> impl Iterator<Item = (usize, &str)> {
     let separates = |c: char| c == ',' || c.is_ascii_whitespace();
     let mut position = 0;
@@ -52,7 +52,7 @@ pub(crate) fn integer(value: &str) -> Result<i64, NumberError> {
     if float.fract() != 0.0 {
         return fail(format!("`{}` is not a whole number", shorten(value.trim())));
     }
-    // Beyond 2^53 a float no longer says which whole number was meant.
+    // Beyond 2^53, floats cannot represent every whole number.
     if float.abs() > 2f64.powi(53) {
         return fail(format!("`{}` is too large a whole number", shorten(value.trim())));
     }

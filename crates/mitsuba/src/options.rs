@@ -22,7 +22,7 @@ pub struct LoadOptions {
 pub struct Limits {
     /// Bytes of all files together, each counted as often as it is included.
     pub total_bytes: usize,
-    /// What the document may come to. Elements, with includes counted in, nest as deep as objects.
+    /// Limits of the document. Its depth bounds the nesting of elements too, includes counted in.
     pub document: DocumentLimits,
     /// Attributes of one element.
     pub attributes: usize,
@@ -34,9 +34,9 @@ pub struct Limits {
     pub xml_nodes: u32,
     /// How deep files may include each other.
     pub include_depth: usize,
-    /// How many includes there may be in all.
+    /// Includes in total.
     pub includes: usize,
-    /// How many `<path>` entries there may be: each is searched for every file.
+    /// `<path>` entries; every file is sought in all of them.
     pub paths: usize,
     /// Bytes that all `$name` expansions together may produce.
     pub expansion_bytes: usize,
@@ -45,11 +45,11 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            // A million instances, each with the line of a matrix in all its digits.
+            // Room for a million instances, each with a matrix in full precision.
             total_bytes: 512 << 20,
             document: DocumentLimits::default(),
             attributes: 64,
-            // The parser spends a dozen bytes on each of these.
+            // The parser needs a dozen bytes for each of these.
             object_bytes: 128 << 20,
             elements: 12_000_000,
             xml_nodes: 4_000_000,

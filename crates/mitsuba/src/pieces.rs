@@ -49,9 +49,8 @@ fn wrap(text: &str, outline: &Outline, piece: &Piece, wrapped: &mut String) {
 }
 
 impl Loader<'_> {
-    /// Parses a text that has been kept and hands its root on, with a part of what is in it at a
-    /// time, and whether that is the first; reports what is wrong with it before anything is handed
-    /// on.
+    /// Parses a stored text and calls `then` with the root of each piece, and whether it is the first
+    /// piece. Errors of any piece are reported before the first call.
     pub(crate) fn for_each_piece(
         &mut self,
         source: SourceId,

@@ -1,4 +1,4 @@
-//! A look over the text before it is parsed, for what would make parsing slow or unsafe.
+//! A scan of the text before it is parsed, for what would make parsing slow or unsafe.
 //!
 //! The parser compares every attribute of an element with every other one, copies the namespaces
 //! of the outer elements to the inner ones, and reports a DOCTYPE without its place. This pass
@@ -14,10 +14,10 @@ use crate::options::Limits;
 /// Declarations of namespaces in one file; scenes need none.
 const NAMESPACE_LIMIT: usize = 16;
 
-/// Bytes that are parsed at once where that is possible: the parser needs some six times as many.
+/// The bytes of a piece, where a text can be split. The parser needs about six times as much memory.
 pub(crate) const PIECE: usize = 1 << 20;
 
-/// Something that the parser must not see.
+/// Why a text is not passed to the parser.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Refused {
     pub(crate) fault: Fault,
@@ -26,7 +26,7 @@ pub(crate) struct Refused {
     pub(crate) range: Range<usize>,
 }
 
-/// What the look over a text has shown of its shape.
+/// The structure of a text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Outline {
     /// The opening tag of the root.
@@ -37,8 +37,8 @@ pub(crate) struct Outline {
     pub(crate) breaks: Vec<usize>,
 }
 
-/// Looks for nesting, attributes and declarations beyond the limits, and for the places at which a
-/// long text can be taken apart.
+/// Checks nesting, attributes and declarations against the limits, and finds the places at which a long
+/// text can be split.
 pub(crate) fn scan(text: &str, limits: &Limits) -> Result<Outline, Refused> {
     let outline = Outline::default();
     let mut scanner = Scanner { text, limits, position: 0, depth: 0, outline };

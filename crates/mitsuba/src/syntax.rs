@@ -1,4 +1,4 @@
-//! The parser's errors in words, at their place.
+//! The parser's errors as messages with places.
 
 use std::ops::Range;
 
@@ -38,12 +38,12 @@ fn describe(text: &str, error: &Error) -> SyntaxError {
         _ => Fault::Syntax,
     };
     let message = message(error);
-    // These three mean that the text ended too early: the element left open is the place to look.
+    // These errors mean that the text ended too early: the place is the element left open.
     let ends_early = matches!(error, Error::UnclosedRootNode | Error::UnexpectedEndOfStream);
     let range = match unclosed_element(text).filter(|_| ends_early) {
         Some(range) => range,
         None if matches!(error, Error::InvalidCharacterData(_)) => {
-            // The position is that of the text's end.
+            // The position that comes with it is the end of the text.
             let end = offset_of(text, error.pos());
             text[..end].rfind("]]>").map_or(end..end, |start| start..start + 3)
         }
@@ -132,8 +132,8 @@ fn word_at(text: &str, offset: usize) -> Range<usize> {
     offset..offset + word.max(character)
 }
 
-/// The opening tag of the innermost element that is never closed, found with no more than a
-/// count of opening and closing tags.
+/// The opening tag of the innermost element that is never closed, found by counting opening and closing
+/// tags.
 fn unclosed_element(text: &str) -> Option<Range<usize>> {
     let mut open = Vec::new();
     let mut position = 0;

@@ -1,13 +1,13 @@
-//! Bytes to text, with clear words for what is not XML at all.
+//! Bytes to text, with clear errors for files that are not XML.
 
-/// Why bytes are no scene text.
+/// Why bytes are not a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NotText {
     /// One sentence without a full stop.
     pub(crate) message: String,
-    /// The offset of the first byte at fault, in the returned text.
+    /// The offset of the first invalid byte, in `shown`.
     pub(crate) offset: usize,
-    /// The text as far as it can be shown.
+    /// The part of the text that can be shown.
     pub(crate) shown: String,
 }
 

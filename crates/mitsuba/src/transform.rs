@@ -1,6 +1,8 @@
 //! `<transform>` and the operations inside it.
 
-use etendue_document::{Diagnostic, Diagnostics, Fault, Value, list_names, transform_problem};
+use etendue_document::{
+    Diagnostic, Diagnostics, Fault, Value, list_names, look_at_matrix, transform_problem,
+};
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::element::Element;
@@ -39,7 +41,7 @@ pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
             None => failed = true,
         }
     }
-    // Each by itself can be usable where all together are not.
+    // The product may be unusable even where every factor is usable.
     let usable = !failed && check(transform, name, element, loader.diagnostics);
     usable.then(|| Value::transform(transform))
 }
@@ -99,8 +101,7 @@ fn matrix(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
     None
 }
 
-/// Camera to world: the camera at `origin` looks along +z at `target`, y is as near to `up` as
-/// can be, and x points to the left of the picture. Without `up`, any.
+/// Camera to world. Without `up`, any direction will do.
 fn look_at(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
     let vector = |name| {
         let attribute = element.required(name, diagnostics)?;
@@ -111,20 +112,8 @@ fn look_at(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
         Some(attribute) => element.vector_in(attribute, diagnostics)?,
         None => DVec3::ZERO,
     };
-    let Some(direction) = (target - origin).try_normalize() else {
-        let message = "`origin` and `target` are the same point";
-        diagnostics.error(Fault::BadValue, element.span, message);
-        return None;
-    };
-    let up = if up == DVec3::ZERO { direction.any_orthonormal_vector() } else { up };
-    let side = up.normalize_or_zero().cross(direction);
-    let Some(left) = side.try_normalize().filter(|_| side.length() > 1e-9) else {
-        let message = "`up` is parallel to the direction of view";
-        diagnostics.error(Fault::BadValue, element.span, message);
-        return None;
-    };
-    let matrix = DMat3::from_cols(left, direction.cross(left), direction);
-    Some(DMat4::from_translation(origin) * DMat4::from_mat3(matrix))
+    let report = |message| diagnostics.error(Fault::BadValue, element.span, message);
+    look_at_matrix(origin, target, up).map_err(report).ok()
 }
 
 /// Whether a matrix can be used as the transform `name`; reports why not.
@@ -137,7 +126,7 @@ fn check(matrix: DMat4, name: &str, element: &Element<'_>, diagnostics: &Diagnos
 }
 
 /// Nine numbers for `to_uv` are a homogeneous transformation of the plane, whose last column is
-/// the offset; here offsets stand in the fourth column.
+/// the offset; here, offsets are in the fourth column.
 fn planar_matrix(matrix: DMat4, element: &Element<'_>) -> DMat4 {
     let count = element.value("value").map_or(0, |value| numbers::words(value).count());
     if element.name() != "matrix" || count != 9 {

@@ -7,8 +7,16 @@ pub struct Manual {
     pub summary: &'static str,
     /// Every parameter it reads. A test compares this list with what the code asks for.
     pub parameters: &'static [ParameterManual],
-    /// An XML sample that a test parses and builds.
+    /// A sample that a test builds: XML, or the code of a node for a plugin that needs buffers.
     pub sample: &'static str,
+}
+
+impl Manual {
+    /// The language of the sample, as Markdown calls it.
+    #[must_use]
+    pub fn sample_language(&self) -> &'static str {
+        if self.sample.starts_with('<') { "xml" } else { "rust" }
+    }
 }
 
 /// One parameter of a manual page.

@@ -14,6 +14,7 @@ pub mod image_plane;
 pub mod majorants;
 pub mod mesh;
 pub mod microfacet;
+pub(crate) mod picture_in_memory;
 pub mod profile;
 pub mod texels;
 pub mod uv;

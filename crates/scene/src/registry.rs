@@ -140,6 +140,7 @@ pub static SHAPES: &[Plugin<BuildGeometry>] = &[
     plugin("linearcurve", &shape::linearcurve::MANUAL, |a, p| {
         shape::linearcurve::build(a, p).map(|curve| Geometry::LinearCurve(Box::new(curve)))
     }),
+    plugin("mesh", &shape::mesh::MANUAL, |a, p| shape::mesh::build(a, p).map(Geometry::Mesh)),
     plugin("obj", &shape::obj::MANUAL, |a, p| shape::obj::build(a, p).map(Geometry::Mesh)),
     plugin("ply", &shape::ply::MANUAL, |a, p| shape::ply::build(a, p).map(Geometry::Mesh)),
     plugin("rectangle", &shape::rectangle::MANUAL, |_, p| {

@@ -15,6 +15,7 @@ pub mod ellipsoids;
 pub mod ellipsoidsmesh;
 pub mod instance;
 pub mod linearcurve;
+pub mod mesh;
 pub mod obj;
 pub mod ply;
 pub mod rectangle;
@@ -24,10 +25,9 @@ pub mod serialized;
 pub mod shapegroup;
 pub mod sphere;
 
-pub use crate::models::mesh;
-
 use crate::ids::{EmitterId, MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;
+use crate::models::mesh::Mesh;
 use etendue_bvh::Hit;
 use etendue_math::lanes::{Real, Vector3};
 use etendue_math::{Bounds3, Frame, Ray};
@@ -48,7 +48,7 @@ pub struct Shape {
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// Triangles.
-    Mesh(mesh::Mesh),
+    Mesh(Mesh),
     /// A sphere.
     Sphere(sphere::Sphere),
     /// A flat disk.

@@ -1,7 +1,9 @@
 //! Every manual page says what its plugin takes: the sample builds without a finding, and the list of
 //! parameters is what the code asks for.
 
-use etendue_document::{Class, Diagnostics, Fault, MemoryResources};
+use etendue_document::{
+    Class, Diagnostic, Diagnostics, Document, DocumentOptions, Fault, MemoryResources, Node,
+};
 use etendue_image::{Channel, EncodeOptions, FileFormat, Picture, encode};
 use etendue_mesh::{Attribute, AttributeDomain, TriangleMesh, write_obj, write_ply};
 use etendue_mitsuba::{LoadOptions, read_text};
@@ -84,8 +86,32 @@ fn scene_around(class: Class, sample: &str) -> String {
     format!("<scene>{sensor}{inner}</scene>")
 }
 
+/// The samples that are code, which the manuals hold as texts.
+fn node_of(name: &str) -> Node {
+    match name {
+        "mesh" => include!("../src/shape/mesh/sample.rs"),
+        other => panic!("the sample of `{other}` is not XML: build it here"),
+    }
+}
+
+/// What building a sample finds, where it is in a whole scene.
+fn findings_of_sample(class: Class, name: &str, manual: &Manual) -> Vec<Diagnostic> {
+    match manual.sample_language() {
+        "xml" => findings(&scene_around(class, manual.sample)),
+        _ => findings_of_node(node_of(name)),
+    }
+}
+
+fn findings_of_node(node: Node) -> Vec<Diagnostic> {
+    let (diagnostics, resources) = (Diagnostics::new(), resources());
+    let scene = Node::scene().child(Node::sensor("perspective")).child(node);
+    let document = Document::build(scene, &DocumentOptions::default(), &diagnostics);
+    let _ = build_scene(&document, &resources, &diagnostics, &BuildOptions::default());
+    diagnostics.sorted()
+}
+
 /// What building a scene finds.
-fn findings(text: &str) -> Vec<etendue_document::Diagnostic> {
+fn findings(text: &str) -> Vec<Diagnostic> {
     let (diagnostics, resources) = (Diagnostics::new(), resources());
     if let Ok(document) = read_text(text, &resources, &LoadOptions::default(), &diagnostics) {
         let _ = build_scene(&document, &resources, &diagnostics, &BuildOptions::default());
@@ -96,13 +122,16 @@ fn findings(text: &str) -> Vec<etendue_document::Diagnostic> {
 #[test]
 fn every_sample_builds_without_a_finding() {
     for (class, name, manual) in registry::plugins() {
-        let found = findings(&scene_around(class, manual.sample));
+        let found = findings_of_sample(class, name, manual);
         assert!(found.is_empty(), "{} `{name}`: {found:?}", class.name());
     }
 }
 
-/// The parameters that the code asks for, as the warning about an unknown one lists them.
-fn asked(class: Class, name: &str, manual: &Manual) -> Vec<String> {
+/// What building a sample finds after a parameter that nobody knows was added.
+fn findings_of_spoiled_sample(class: Class, name: &str, manual: &Manual) -> Vec<Diagnostic> {
+    if manual.sample_language() != "xml" {
+        return findings_of_node(node_of(name).with("no_such_parameter", ""));
+    }
     let opening = format!("type=\"{name}\"");
     let place = manual.sample.find(&opening).expect("the sample names its plugin") + opening.len();
     let (before, after) = manual.sample.split_at(place);
@@ -118,7 +147,12 @@ fn asked(class: Class, name: &str, manual: &Manual) -> Vec<String> {
         Some(end) => format!("{before}{}{unknown}{}", &after[..=end], &after[end + 1..]),
         None => panic!("the sample of `{name}` is no XML"),
     };
-    let found = findings(&scene_around(class, &spoiled));
+    findings(&scene_around(class, &spoiled))
+}
+
+/// The parameters that the code asks for, as the warning about an unknown one lists them.
+fn asked(class: Class, name: &str, manual: &Manual) -> Vec<String> {
+    let found = findings_of_spoiled_sample(class, name, manual);
     let warning = found
         .iter()
         .find(|finding| {

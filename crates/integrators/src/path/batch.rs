@@ -9,7 +9,7 @@ use etendue_math::lanes::{
 use etendue_math::{Ray, RayLanes, with_lanes};
 use etendue_sampling::{RandomBatch, draw_vertices};
 use etendue_scene::bsdf::{ClosureLanes, LaneKind, SampleLanes};
-use etendue_scene::shape::mesh::TriangleBatch;
+use etendue_scene::models::mesh::TriangleBatch;
 use etendue_scene::{Hit, MaterialId, Scene, SurfaceBatch, SurfaceLanes};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 

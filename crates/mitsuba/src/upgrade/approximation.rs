@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use etendue_document::{Diagnostic, Diagnostics, Fault, SourceId, Sources, Span};
 
-/// More places than these are counted, not listed.
+/// Further places are counted, not listed.
 const LISTED: usize = 40;
 
-/// The approximations of a scene by what they say.
+/// The approximations of a scene by message.
 #[derive(Debug, Default)]
 pub(super) struct Approximations {
     places: BTreeMap<String, Vec<Span>>,

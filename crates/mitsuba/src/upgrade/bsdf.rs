@@ -1,10 +1,10 @@
-//! BSDFs: the Phong and Ward models, and microfacet distributions that are gone.
+//! BSDFs: the Phong and Ward models, and microfacet distributions that no longer exist.
 
 use etendue_document::{Child, Class, FlatNode, List, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
-use super::entries::{find, number, take};
+use super::entries::{find, new_parameter, number, take};
 
 /// Upgrades one BSDF; new nodes come at the end.
 pub(super) fn upgrade(
@@ -19,7 +19,7 @@ pub(super) fn upgrade(
     }
 }
 
-/// Until version 0.6 a conductor of which nothing is said is copper; since then, a mirror.
+/// Up to version 0.6 the default conductor is copper; since then, a mirror.
 pub(super) fn old_defaults(node: &mut FlatNode) {
     let conductor = matches!(node.plugin.as_str(), "conductor" | "roughconductor");
     let stated = |name: &str| {
@@ -100,7 +100,7 @@ fn roughness(node: &mut FlatNode, plugin: &str) -> (f64, f64) {
     (alpha, alpha)
 }
 
-/// A color that is the same everywhere; `None` where it is a texture or measured.
+/// A colour that is the same everywhere; `None` where it is a texture or measured.
 fn color(node: &FlatNode, name: &str, default: f64) -> Option<DVec3> {
     if node.children.iter().any(|child| child.name.as_deref() == Some(name)) {
         return None;
@@ -151,7 +151,7 @@ fn blend(nodes: &mut Vec<FlatNode>, index: usize, glossy: &Glossy) {
     node.plugin = "blendbsdf".into();
 }
 
-/// A BSDF that stands where the node stands that it was made from.
+/// A BSDF at the place of the node that it was made from.
 pub(super) fn with_parameters(
     origin: &FlatNode,
     plugin: &str,
@@ -165,9 +165,4 @@ pub(super) fn with_parameters(
         parameters: parameters.into(),
         children: List::new(),
     }
-}
-
-/// A parameter that stands for the whole node it was made from.
-pub(super) fn new_parameter(origin: &FlatNode, name: &str, value: Value) -> Parameter {
-    Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
 }

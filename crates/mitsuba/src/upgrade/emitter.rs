@@ -14,13 +14,13 @@ const UP: DMat4 = DMat4::from_cols(
     DVec4::new(0.0, 1.0, 0.0, 0.0),
     DVec4::W,
 );
-/// The ground's albedo where version 0.6 is not told.
+/// Version 0.6's default albedo of the ground.
 const ALBEDO: f64 = 0.15;
 /// The angle that the sun takes, in degrees.
 const APERTURE: f64 = 0.5358;
 /// A sun without a size is given this share of its own: it cannot be a point.
 const LEAST_RADIUS: f64 = 0.01;
-/// What steered how version 0.6 turned its sky into a picture.
+/// Parameters that controlled how version 0.6 rasterised its sky.
 const WITHOUT_MEANING: [&str; 3] = ["resolution", "stretch", "sampling_weight"];
 
 /// Upgrades an emitter; `is_old` where its file is of version 0.x.
@@ -77,7 +77,7 @@ pub(super) fn stop_the_clock(node: &mut FlatNode, approximations: &mut Approxima
     set(node, "hour", Value::Float(middle));
 }
 
-/// What says when the sun of a `timed_sunsky` wanders.
+/// Parameters that time the sun of a `timed_sunsky`.
 const TIME_PARAMETERS: [&str; 7] = [
     "window_start_time",
     "window_end_time",

@@ -28,3 +28,8 @@ pub(super) fn number(value: &Value) -> Option<f64> {
         _ => None,
     }
 }
+
+/// A new parameter at the place of the node that it is made from.
+pub(super) fn new_parameter(origin: &FlatNode, name: &str, value: Value) -> Parameter {
+    Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
+}

@@ -1,4 +1,4 @@
-//! Integrators that only steer another one.
+//! Integrators that only wrap another one.
 
 use etendue_document::{Class, FlatNode, Parameter, Value};
 
@@ -17,7 +17,7 @@ pub(super) fn upgrade(nodes: &mut [FlatNode], index: usize, approximations: &mut
 }
 
 /// Version 0.6's `strictNormals` cuts off light whose sides differ by the geometric and the shading
-/// normal. Version 3 has nothing of the kind and drops it from the scenes that it converts; meshes
+/// normal. Version 3 has no such parameter and drops it from the scenes that it converts; meshes
 /// without normals are smooth there, and lose much light by it. Scenes written in the old way are
 /// rendered as version 3 renders them; `strict_normals` still asks for it.
 fn drop_strict_normals(node: &mut FlatNode, approximations: &mut Approximations) {
@@ -30,7 +30,7 @@ fn drop_strict_normals(node: &mut FlatNode, approximations: &mut Approximations)
     }
 }
 
-/// Puts the nested integrator, which has been upgraded, in the place of its wrapper.
+/// Replaces a wrapper by the nested integrator, which has been upgraded.
 fn unwrap(nodes: &mut [FlatNode], index: usize, approximations: &mut Approximations) {
     let wrapper = &nodes[index];
     if !WRAPPERS.contains(&wrapper.plugin.as_str()) {

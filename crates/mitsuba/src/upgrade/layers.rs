@@ -4,8 +4,8 @@ use etendue_document::{Child, Class, FlatNode, NodeId, Parameter, SpectrumValue,
 use glam::DVec3;
 
 use super::approximation::Approximations;
-use super::bsdf::{new_parameter, with_parameters};
-use super::entries::{find, number, take};
+use super::bsdf::with_parameters;
+use super::entries::{find, new_parameter, number, take};
 
 /// The reflectance of a coat at normal incidence where its index is not given as a number: that of
 /// glass.
@@ -33,8 +33,8 @@ fn nested(nodes: &[FlatNode], index: usize) -> Vec<Child> {
     nodes[index].children.iter().filter(is_bsdf).cloned().collect()
 }
 
-/// A mixture of any number becomes blends of two. What its weights leave to one is black; where
-/// they are above one, all are scaled down, as version 0.6 does.
+/// A mixture of any number becomes blends of two. If the weights sum to less than one, the rest is
+/// black; if to more, all are scaled down, as in version 0.6.
 fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     let Some(Value::String(text)) = find(&nodes[index], "weights").map(|weights| &weights.value)
     else {
@@ -43,7 +43,7 @@ fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     let words = text.split([',', ';', ' ', '\t', '\n']).filter(|word| !word.is_empty());
     let weights: Result<Vec<f64>, _> = words.map(str::parse::<f64>).collect();
     let materials = nested(nodes, index);
-    // Where the two do not fit, the plugin stays, to be reported as unknown.
+    // If the counts differ, the plugin is kept and reported as unknown.
     let Ok(weights) = weights else { return };
     let sound = weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0);
     if weights.len() != materials.len() || weights.is_empty() || !sound {
@@ -63,14 +63,14 @@ fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     (node.plugin, node.parameters, node.children) = (plugin, parameters, children);
 }
 
-/// Appends a node, and names it as a child of what is to hold it.
+/// Appends a node; the result is its entry for a parent.
 fn add(nodes: &mut Vec<FlatNode>, node: FlatNode) -> Child {
     let child = Child { name: None, node: NodeId(nodes.len() as u32), span: node.span };
     nodes.push(node);
     child
 }
 
-/// Blends of halves, and halves of those, so that they do not get deep.
+/// A balanced tree of blends, which keeps the depth small.
 fn blend(nodes: &mut Vec<FlatNode>, origin: usize, parts: &[(Child, f64)]) -> Child {
     if let [(only, _)] = parts {
         return only.clone();
@@ -120,7 +120,7 @@ fn coating(nodes: &mut Vec<FlatNode>, index: usize, approximations: &mut Approxi
     approximations.add(message, nodes[index].span);
 }
 
-/// Makes a coating of a diffuse base that has been taken out of it.
+/// Turns a coating into a plastic, given its diffuse base.
 fn coat_diffuse(node: &mut FlatNode, base: &FlatNode, plugin: &str) {
     let kept = ["int_ior", "ext_ior", "specular_reflectance", "alpha", "distribution"];
     keep(node, &kept);
@@ -136,13 +136,13 @@ fn coat_diffuse(node: &mut FlatNode, base: &FlatNode, plugin: &str) {
         node: child.node,
         span: child.span,
     }));
-    // Light that the coat throws back is coloured by the base again, as in the coating.
+    // Light that the coat reflects back is coloured by the base again, as in the coating.
     let nonlinear = new_parameter(node, "nonlinear", Value::Boolean(true));
     node.parameters.push(nonlinear);
     node.plugin = plugin.into();
 }
 
-/// Removes all parameters and children but some.
+/// Keeps only the named parameters and children.
 fn keep(node: &mut FlatNode, names: &[&str]) {
     node.parameters.retain(|parameter| names.contains(&parameter.name.as_str()));
     node.children.retain(|child| child.name.as_deref().is_some_and(|name| names.contains(&name)));
@@ -201,7 +201,7 @@ fn rename(node: &mut FlatNode, old: &str, new: &str) {
     children.for_each(|child| child.name = Some(new.into()));
 }
 
-/// A color that is the same at all wavelengths, or given in RGB.
+/// A colour that is the same at all wavelengths, or given in RGB.
 fn color(value: &Value) -> Option<DVec3> {
     match value {
         Value::Rgb(color) => Some(*color),

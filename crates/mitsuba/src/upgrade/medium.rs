@@ -4,14 +4,14 @@ use etendue_document::{Child, Class, FlatNode, List, NodeId, Parameter, Spectrum
 use glam::DVec3;
 
 use super::approximation::Approximations;
-use super::entries::{find, number, take};
+use super::entries::{find, new_parameter, number, take};
 
-/// The media of version 0.6 that have names, by what was measured of them.
+/// The named media of version 0.6, with their measured coefficients.
 static PRESETS: &str = include_str!("data/media.txt");
 
 /// Upgrades one medium.
 pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) {
-    // Both ways to track light lead to the same picture, but for the bias of one.
+    // Both tracking methods converge to the same picture, except for the bias of one.
     take(node, "method");
     take(node, "step_size");
     if node.plugin == "homogeneous" {
@@ -19,12 +19,12 @@ pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) 
     }
 }
 
-/// Until version 0.6 a medium of which nothing is said is skin.
+/// Up to version 0.6 the default medium is skin.
 pub(super) fn old_defaults(node: &mut FlatNode) {
     let stated = ["material", "sigma_s", "sigma_a", "sigma_t", "albedo"];
     let says_nothing = stated.iter().all(|name| !has(node, name));
     if node.class == Class::Medium && node.plugin == "homogeneous" && says_nothing {
-        let skin = parameter(node, "material", Value::String("skin1".to_owned()));
+        let skin = new_parameter(node, "material", Value::String("skin1".to_owned()));
         node.parameters.push(skin);
     }
 }
@@ -44,17 +44,17 @@ fn coefficients(node: &mut FlatNode, approximations: &mut Approximations) {
         return;
     }
     let extinction = scattering + absorption;
-    // Where nothing is taken from the light, any share of it is scattered.
+    // Without extinction, the albedo is arbitrary.
     let share = |index: usize| {
         if extinction[index] > 0.0 { scattering[index] / extinction[index] } else { 0.0 }
     };
     let albedo = DVec3::new(share(0), share(1), share(2));
     let added = [("sigma_t", extinction), ("albedo", albedo)]
-        .map(|(name, value)| parameter(node, name, Value::Rgb(value)));
+        .map(|(name, value)| new_parameter(node, name, Value::Rgb(value)));
     node.parameters.extend(added);
 }
 
-/// Takes the name of a preset: its scattering and absorption. An unknown name stays, to be reported.
+/// Takes the name of a preset: its scattering and absorption. An unknown name is kept and reported.
 fn preset(node: &mut FlatNode) -> Option<(DVec3, DVec3)> {
     let Value::String(name) = &find(node, "material")?.value else { return None };
     let name = name.to_lowercase();
@@ -67,7 +67,7 @@ fn preset(node: &mut FlatNode) -> Option<(DVec3, DVec3)> {
     Some((DVec3::new(s0, s1, s2), DVec3::new(a0, a1, a2)))
 }
 
-/// Takes a color that is the same everywhere; others stay, to be reported.
+/// Takes a constant colour; others are kept and reported.
 fn constant(node: &mut FlatNode, name: &str) -> Option<DVec3> {
     let value = match &find(node, name)?.value {
         Value::Rgb(color) => *color,
@@ -101,7 +101,7 @@ fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
         .filter(is_phase)
         .map(|child| Child { name: None, ..child.clone() })
         .collect();
-    // What does not fit together stays, to be reported as unknown.
+    // If the counts differ, the plugin is kept and reported as unknown.
     if weights.len() != parts.len() || parts.is_empty() {
         return;
     }
@@ -119,7 +119,7 @@ fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
             parameters: List::new(),
             children: vec![first, rest].into(),
         };
-        blend.parameters = vec![parameter(&blend, "weight", Value::Float(share))].into();
+        blend.parameters = vec![new_parameter(&blend, "weight", Value::Float(share))].into();
         nodes.push(blend);
         rest = Child { name: None, node: NodeId(nodes.len() as u32 - 1), span };
     }
@@ -142,16 +142,16 @@ pub(super) fn upgrade_volume(nodes: &mut [FlatNode], index: usize) {
     (outer.plugin, outer.parameters, outer.children) = (plugin, parameters, children);
 }
 
-/// Until version 0.6 the box that a grid's file names always counts.
+/// Up to version 0.6 the box in a grid's file always applies.
 pub(super) fn old_grid(node: &mut FlatNode) {
     let is_grid = node.class == Class::Volume && node.plugin == "gridvolume";
     if is_grid && find(node, "use_grid_bbox").is_none() {
-        let own_box = parameter(node, "use_grid_bbox", Value::Boolean(true));
+        let own_box = new_parameter(node, "use_grid_bbox", Value::Boolean(true));
         node.parameters.push(own_box);
     }
 }
 
-/// Until version 0.6 a shape around a medium that says nothing of its surface has none.
+/// Up to version 0.6 a shape with a medium and without a BSDF has no surface.
 pub(super) fn old_boundary(nodes: &mut Vec<FlatNode>, index: usize) {
     let node = &nodes[index];
     let holds = |class| node.children.iter().any(|child| nodes[child.node.index()].class == class);
@@ -179,9 +179,4 @@ pub(super) fn old_boundary(nodes: &mut Vec<FlatNode>, index: usize) {
 fn has(node: &FlatNode, name: &str) -> bool {
     find(node, name).is_some()
         || node.children.iter().any(|child| child.name.as_deref() == Some(name))
-}
-
-/// A parameter that stands for the whole node it was made from.
-fn parameter(origin: &FlatNode, name: &str, value: Value) -> Parameter {
-    Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
 }

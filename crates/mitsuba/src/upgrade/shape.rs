@@ -1,8 +1,8 @@
-//! Shapes: version 3's `merge` says how meshes are kept in memory, and nothing of the picture.
+//! Shapes: version 3's `merge` is about memory and does not change the picture.
 
 use etendue_document::{Child, Class, FlatNode};
 
-/// Puts the shapes inside a `merge`, which have been dissolved themselves, in its place.
+/// Replaces a `merge` by the shapes inside it.
 pub(super) fn dissolve_merges(nodes: &mut [FlatNode], index: usize) {
     let is_merge = |child: &Child| {
         let node = &nodes[child.node.index()];

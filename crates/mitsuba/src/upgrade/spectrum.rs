@@ -1,12 +1,12 @@
-//! Spectra that version 3 writes as plugins, nested in what they belong to, are values here: they mean
-//! the same, and the renderer knows from the parameter whether they are light or reflectance.
+//! Version 3 writes spectra as nested plugins. Here they are values: the parameter tells whether they are
+//! light or reflectance.
 
 use etendue_document::{Class, FlatNode, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
 
 use super::entries::{find, number};
 
-/// Makes values of a node's spectra.
+/// Turns the spectra inside a node into values.
 pub(super) fn inline(nodes: &mut [FlatNode], index: usize) {
     if !nodes[index].children.iter().any(|child| value(nodes, child.node).is_some()) {
         return;
@@ -15,7 +15,7 @@ pub(super) fn inline(nodes: &mut [FlatNode], index: usize) {
     let (spectra, others): (Vec<_>, Vec<_>) =
         children.into_iter().partition(|child| value(nodes, child.node).is_some());
     for child in spectra {
-        // Those without a name stand at the top only to be referred to.
+        // Unnamed ones exist only to be referred to.
         if let (Some(name), Some(value)) = (child.name, value(nodes, child.node)) {
             let (original_name, span) = (name.clone(), child.span);
             nodes[index].parameters.push(Parameter { name, original_name, value, span });
@@ -24,7 +24,7 @@ pub(super) fn inline(nodes: &mut [FlatNode], index: usize) {
     nodes[index].children = others.into();
 }
 
-/// The value of a spectrum; `None` of anything else, and where it does not say enough.
+/// The value of a spectrum; `None` for anything else and for incomplete ones.
 fn value(nodes: &[FlatNode], node: NodeId) -> Option<Value> {
     let node = &nodes[node.index()];
     if node.class != Class::Texture {
@@ -77,7 +77,7 @@ fn samples(wavelengths: Vec<f64>, values: Vec<f64>) -> Option<Value> {
     is_whole.then_some(Value::Spectrum(SpectrumValue::Samples(samples)))
 }
 
-/// A list of numbers, written as a text with commas or spaces between them.
+/// A list of numbers in a text, separated by commas or spaces.
 fn numbers(node: &FlatNode, name: &str) -> Option<Vec<f64>> {
     let Value::String(text) = &find(node, name)?.value else { return None };
     let words = text.split(|letter: char| letter == ',' || letter.is_whitespace());

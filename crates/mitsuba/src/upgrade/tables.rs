@@ -4,7 +4,7 @@ use etendue_document::{Class, FlatNode};
 
 use super::approximation::Approximations;
 
-/// A parameter that has another name now and means the same.
+/// A renamed parameter with the same meaning.
 struct Renamed {
     class: Class,
     /// The plugins it belongs to; none for all of the class.
@@ -40,7 +40,7 @@ static RENAMED: &[Renamed] = &[
     renamed(Class::Integrator, &[], "hide_luminaires", "hide_emitters"),
 ];
 
-/// The parameters of a plugin that have another name now: old and new.
+/// The renamed parameters of a plugin: old and new names.
 pub(super) fn renamed_parameters(class: Class, plugin: &str) -> Vec<(&'static str, &'static str)> {
     let applies = |rule: &&Renamed| {
         rule.class == class && (rule.plugins.is_empty() || rule.plugins.contains(&plugin))
@@ -48,7 +48,7 @@ pub(super) fn renamed_parameters(class: Class, plugin: &str) -> Vec<(&'static st
     RENAMED.iter().filter(applies).map(|rule| (rule.old, rule.new)).collect()
 }
 
-/// A plugin that is rendered as another one, and what that loses.
+/// A plugin that is approximated by another one, and what is lost.
 struct Approximated {
     class: Class,
     old: &'static str,
@@ -97,7 +97,7 @@ static APPROXIMATED: &[Approximated] = &[
     approximated(Class::Film, "tiledhdrfilm", "hdrfilm", "which writes the file at the end"),
 ];
 
-/// Plugins that have another name now and mean the same.
+/// Renamed plugins with the same meaning.
 static RENAMED_PLUGINS: &[(Class, &str, &str)] = &[
     (Class::Bsdf, "lambertian", "diffuse"),
     (Class::Bsdf, "mirror", "conductor"),
@@ -109,7 +109,7 @@ static RENAMED_PLUGINS: &[(Class, &str, &str)] = &[
     (Class::Texture, "exrtexture", "bitmap"),
 ];
 
-/// Gives a plugin its name of today.
+/// Gives a plugin its current name.
 pub(super) fn rename_plugin(node: &mut FlatNode) {
     let same = |rule: &&(Class, &str, &str)| rule.0 == node.class && node.plugin == rule.1;
     if let Some((_, _, new)) = RENAMED_PLUGINS.iter().find(same) {
@@ -117,7 +117,7 @@ pub(super) fn rename_plugin(node: &mut FlatNode) {
     }
 }
 
-/// Puts the nearest plugin in the place of one that this version lacks.
+/// Replaces a plugin that this version lacks by the nearest one.
 pub(super) fn approximate_plugin(node: &mut FlatNode, approximations: &mut Approximations) {
     let rule = APPROXIMATED.iter().find(|rule| rule.class == node.class && node.plugin == rule.old);
     if let Some(rule) = rule {
@@ -125,13 +125,13 @@ pub(super) fn approximate_plugin(node: &mut FlatNode, approximations: &mut Appro
         approximations.add(message, node.span);
         node.plugin = rule.new.into();
         if node.class == Class::Integrator {
-            // The others steer what is not there any more.
+            // The other parameters control what no longer exists.
             node.parameters.retain(|p| KEPT_INTEGRATOR_PARAMETERS.contains(&&*p.name));
             node.children.clear();
         }
     }
 }
 
-/// What the integrators of this version share with those they stand in for.
+/// The parameters that integrators of this version share with those they replace.
 const KEPT_INTEGRATOR_PARAMETERS: &[&str] =
     &["max_depth", "rr_depth", "strict_normals", "hide_emitters"];

@@ -4,7 +4,7 @@ use etendue_document::{FlatNode, Parameter, Value};
 use glam::{DMat4, DVec3};
 
 use super::approximation::Approximations;
-use super::entries::{find, number, take};
+use super::entries::{find, new_parameter, number, take};
 
 /// Upgrades the parameters of one texture.
 pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) {
@@ -25,42 +25,37 @@ pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) 
 /// The colours of vertices are an attribute of their mesh like any other.
 fn vertex_colors(node: &mut FlatNode) {
     node.parameters =
-        vec![parameter(node, "name", Value::String("vertex_color".to_owned()))].into();
+        vec![new_parameter(node, "name", Value::String("vertex_color".to_owned()))].into();
     node.plugin = "mesh_attribute".into();
 }
 
-/// Edges cannot be told from texture coordinates: what remains is the colour between them.
+/// Texture coordinates do not tell where edges are: what remains is the colour between them.
 fn wireframe(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters.retain(|parameter| parameter.name == "interior_color");
     node.children.retain(|child| child.name.as_deref() == Some("interior_color"));
     node.parameters.iter_mut().for_each(|parameter| parameter.name = "color0".into());
     node.children.iter_mut().for_each(|child| child.name = Some("color0".into()));
     if node.parameters.is_empty() && node.children.is_empty() {
-        node.parameters.push(parameter(node, "color0", Value::Float(0.5)));
+        node.parameters.push(new_parameter(node, "color0", Value::Float(0.5)));
     }
     without_lines(node);
     let message = "a `wireframe` is rendered in its interior colour, without edges";
     approximations.add(message, node.span);
 }
 
-/// Curvature is a picture of numbers that nothing here computes.
+/// Curvature is not computed here: a constant takes its place.
 fn curvature(node: &mut FlatNode, approximations: &mut Approximations) {
-    node.parameters = vec![parameter(node, "color0", Value::Float(0.5))].into();
+    node.parameters = vec![new_parameter(node, "color0", Value::Float(0.5))].into();
     node.children.clear();
     without_lines(node);
     approximations.add("a `curvature` texture is rendered as grey", node.span);
 }
 
-/// A grid of no lines is a colour.
+/// A grid without lines is a colour.
 fn without_lines(node: &mut FlatNode) {
-    let width = parameter(node, "line_width", Value::Float(0.0));
+    let width = new_parameter(node, "line_width", Value::Float(0.0));
     node.parameters.push(width);
     node.plugin = "gridtexture".into();
-}
-
-/// A parameter that stands for the whole node.
-fn parameter(node: &FlatNode, name: &str, value: Value) -> Parameter {
-    Parameter { name: name.into(), original_name: name.into(), value, span: node.span }
 }
 
 /// `uscale`, `vscale`, `uoffset`, `voffset` become `to_uv`: scaled first, then moved, as version
@@ -69,7 +64,7 @@ fn coordinates(node: &mut FlatNode) {
     let mut place = None;
     let mut read = |name: &str, default: f64| {
         let value = find(node, name).and_then(|parameter| number(&parameter.value));
-        // A value of another type stays, to be reported as unknown.
+        // A value of another type is kept and reported as unknown.
         let Some(value) = value else {
             return default;
         };
@@ -94,7 +89,7 @@ fn coordinates(node: &mut FlatNode) {
     });
 }
 
-/// Filters that look at several levels of detail are replaced by the one that looks at one.
+/// Filters over several levels of detail are replaced by the one without levels.
 fn filter(node: &mut FlatNode, approximations: &mut Approximations) {
     replace_text(node, "filter_type", |filter| match filter {
         "trilinear" | "ewa" | "isotropic" | "anisotropic" => {
@@ -108,7 +103,7 @@ fn filter(node: &mut FlatNode, approximations: &mut Approximations) {
     .for_each(|(message, span)| approximations.add(message, span));
 }
 
-/// `wrap_mode_u` and `wrap_mode_v` become one `wrap_mode`; `zero` and `one` have no equal.
+/// `wrap_mode_u` and `wrap_mode_v` become one `wrap_mode`; `zero` and `one` have no equivalent.
 fn wrapping(node: &mut FlatNode, approximations: &mut Approximations) {
     let u = take(node, "wrap_mode_u");
     let v = take(node, "wrap_mode_v");

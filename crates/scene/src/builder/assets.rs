@@ -136,6 +136,9 @@ impl<'a> Assets<'a> {
     }
 
     fn picture_file(&self, texture: &Parameters<'_>) -> Option<PathBuf> {
+        if texture.has("data") {
+            return None;
+        }
         let (Value::String(name), span) = texture.value("filename")? else { return None };
         self.document.resolve(name, span, self.resources).ok()
     }
@@ -271,12 +274,21 @@ impl<'a> Assets<'a> {
         self.hashes.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), hash);
     }
 
-    /// The hash of everything the scene was built from: the document, and every file read.
+    /// The hash of everything the scene was built from: the texts, or the nodes where there are none,
+    /// and every file read.
     pub(super) fn content_hash(&self) -> [u8; 32] {
         let mut hasher = blake3::Hasher::new();
-        self.document.for_each_byte(|bytes| {
-            hasher.update(bytes);
-        });
+        for source in self.document.sources.iter() {
+            for piece in source.pieces() {
+                hasher.update(&piece);
+            }
+        }
+        // What was built in code has no text.
+        if self.document.sources.iter().next().is_none() {
+            self.document.for_each_byte(|bytes| {
+                hasher.update(bytes);
+            });
+        }
         for hash in self.hashes.lock().unwrap_or_else(PoisonError::into_inner).values() {
             hasher.update(&hash.to_le_bytes());
         }

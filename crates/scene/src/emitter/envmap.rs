@@ -1,10 +1,11 @@
 //! `envmap`: a picture of the surroundings.
 
 use super::{DirectionSample, SAMPLING_WEIGHT, Target};
-use crate::builder::{Builder, read_transform};
+use crate::builder::{Assets, Builder, read_transform};
 use crate::manual::{Manual, parameter};
+use crate::models::picture_in_memory;
 use etendue_document::{Fault, Parameters};
-use etendue_image::decode;
+use etendue_image::{Bitmap, decode};
 use etendue_math::Transform;
 use etendue_sampling::Distribution2D;
 use etendue_spectrum::Spectrum;
@@ -16,7 +17,13 @@ pub const MANUAL: Manual = Manual {
     summary: "Surrounds the scene with a picture in latitude–longitude coordinates: +y is the top row, and \
               the middle of the picture lies along +z. Bright parts are sampled in proportion.",
     parameters: &[
-        parameter("filename", "string", "", "The picture: EXR, HDR, PFM, PNG, JPEG and others."),
+        parameter(
+            "filename",
+            "string",
+            "",
+            "The picture: EXR, HDR, PFM, PNG, JPEG and others; required unless there is `data`.",
+        ),
+        parameter("data", "buffer", "", "Instead of a file: texels in memory, as of `bitmap`."),
         parameter("scale", "float", "1", "A factor on the radiance."),
         parameter("to_world", "transform", "", "Turns the surroundings."),
         parameter(
@@ -49,16 +56,11 @@ pub struct EnvironmentMap {
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<EnvironmentMap> {
     let scale = parameters.float_in("scale", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
     let to_world = read_transform(parameters, "to_world")?;
-    let (path, bytes) = builder.assets.read_file(parameters, "filename")?;
-    let report = |message: String| {
-        parameters.error(Fault::BadValue, "filename", format!("{}: {message}", path.display()));
-    };
-    let bitmap = match decode(&bytes, &path.to_string_lossy()) {
-        Ok(bitmap) => bitmap,
-        Err(error) => {
-            report(error.to_string());
-            return None;
-        }
+    let in_memory = parameters.has("data");
+    let (name, bitmap) = if in_memory {
+        ("`data`".to_owned(), picture_in_memory::read(parameters)?)
+    } else {
+        read_file(builder.assets, parameters)?
     };
     let image = bitmap.to_color_image();
     let size = [image.width as usize, image.height as usize];
@@ -69,9 +71,25 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<E
     };
     let map = EnvironmentMap::new(to_world, size, texels, compensation);
     if map.is_none() {
-        report("the picture must hold finite values of zero or more, and some light".to_owned());
+        let message =
+            format!("{name}: the picture must hold finite values of zero or more, and some light");
+        let source = if in_memory { "data" } else { "filename" };
+        parameters.error(Fault::BadValue, source, message);
     }
     map
+}
+
+/// The picture of the file, with the file's name; `None` after reporting what went wrong.
+fn read_file(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<(String, Bitmap)> {
+    let (path, bytes) = assets.read_file(parameters, "filename")?;
+    match decode(&bytes, &path.to_string_lossy()) {
+        Ok(bitmap) => Some((path.display().to_string(), bitmap)),
+        Err(error) => {
+            let message = format!("{}: {error}", path.display());
+            parameters.error(Fault::BadValue, "filename", message);
+            None
+        }
+    }
 }
 
 /// What sampling leaves to the materials.

@@ -168,6 +168,28 @@ pub(crate) fn read(bytes: &[u8]) -> Result<GridFile, GridError> {
 }
 
 impl GridFile {
+    /// A grid in memory, which fills the unit cube: cells along x, y and z, and the values of all of
+    /// them.
+    pub(crate) fn in_unit_cube(
+        sides: [usize; 3],
+        channels: usize,
+        values: Vec<f32>,
+    ) -> Result<Self, GridError> {
+        let sides = sides.map(|side| i32::try_from(side).unwrap_or(i32::MAX));
+        let cells = sides
+            .iter()
+            .try_fold(channels, |product, side| product.checked_mul(usize::try_from(*side).ok()?));
+        if sides.iter().any(|side| *side < 1) || cells != Some(values.len()) {
+            return Err(GridError::Size(sides));
+        }
+        if !matches!(channels, 1 | 3 | 6) {
+            return Err(GridError::Channels(i32::try_from(channels).unwrap_or(i32::MAX)));
+        }
+        let (size, bounds) = (sides.map(i32::unsigned_abs), Bounds3::new(Vec3::ZERO, Vec3::ONE));
+        let grid = Self { size, channels, bounds, values };
+        grid.check().map(|()| grid)
+    }
+
     /// Refuses values that are no finite numbers, with the first place.
     fn check(&self) -> Result<(), GridError> {
         let Some(index) = self.values.iter().position(|value| !value.is_finite()) else {

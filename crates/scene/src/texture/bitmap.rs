@@ -1,7 +1,8 @@
-//! `bitmap`: a picture from a file.
+//! `bitmap`: a picture from a file or from memory.
 
 use crate::builder::{Assets, Builder};
 use crate::manual::{Manual, parameter};
+use crate::models::picture_in_memory;
 pub use crate::models::texels::Channel;
 use crate::models::texels::Texels;
 use crate::models::uv::read_to_uv;
@@ -17,7 +18,14 @@ pub const MANUAL: Manual = Manual {
               Files with 8 or 16 bits are taken to be sRGB encoded unless `raw`; alpha is left \
               out; grey pictures give grey colours.",
     parameters: &[
-        parameter("filename", "string", "", "The file; required."),
+        parameter("filename", "string", "", "The file; required unless there is `data`."),
+        parameter(
+            "data",
+            "buffer",
+            "",
+            "Instead of a file: rows, columns and up to four channels, of floats (linear), or of \
+             unsigned integers with 8 or 16 bits (as in files). For scenes built in code.",
+        ),
         parameter(
             "filter_type",
             "string",
@@ -116,6 +124,11 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
 /// on: several can be read at once.
 #[must_use]
 pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<BitmapTexture>> {
+    if let [only] = all
+        && only.has("data")
+    {
+        return vec![in_memory(only)];
+    }
     let options: Vec<_> = all.iter().map(BitmapOptions::read).collect();
     let name = |parameters: &Parameters<'a>| {
         Some((parameters.required_string("filename")?, parameters.span_of("filename")))
@@ -153,6 +166,20 @@ pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<Bitma
         Some(BitmapTexture::of(texels.clone(), &options))
     };
     all.iter().zip(options).map(texture).collect()
+}
+
+/// Reads a texture whose picture is a buffer.
+fn in_memory(parameters: &Parameters<'_>) -> Option<BitmapTexture> {
+    let options = BitmapOptions::read(parameters);
+    let bitmap = picture_in_memory::read(parameters)?;
+    let texture = BitmapTexture::new(bitmap, &options?);
+    if texture.is_none() {
+        parameters.error(Fault::BadValue, "channel", "`data` has no such channel");
+    }
+    if texture.as_ref().is_some_and(|t| t.texels.are_floats() && !t.mean().is_finite()) {
+        parameters.warning(Fault::BadValue, "data", "`data` holds values that are not finite");
+    }
+    texture
 }
 
 /// What a texture takes of a picture: which channel, and whether its numbers are taken as they are.

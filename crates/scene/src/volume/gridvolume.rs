@@ -1,9 +1,9 @@
-//! `gridvolume`: values on a grid, from a file.
+//! `gridvolume`: values on a grid, from a file or from memory.
 
 use super::UNIT_CUBE;
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
-use crate::models::grid_file::{self, GridFile};
+use crate::models::grid_file::{self, GridError, GridFile};
 use crate::texture::bitmap::WrapMode;
 use etendue_document::{Fault, Parameters};
 use etendue_math::{Bounds3, Transform};
@@ -17,7 +17,15 @@ pub const MANUAL: Manual = Manual {
               `to_world` places; its values stand at the middles of the cells. One value a cell is \
               a scalar, three are a linear colour, six belong to `sggx`.",
     parameters: &[
-        parameter("filename", "string", "", "The file; required."),
+        parameter("filename", "string", "", "The file; required unless there is `data`."),
+        parameter(
+            "data",
+            "buffer",
+            "",
+            "Instead of a file: layers along z, rows along y, columns along x, and channels where there \
+             are several, of floats or of unsigned integers with 8 or 16 bits, which are fractions. For \
+             scenes built in code.",
+        ),
         parameter(
             "filter_type",
             "string",
@@ -83,14 +91,10 @@ struct Footprint {
 #[must_use]
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<GridVolume> {
     let options = Options::read(parameters);
-    let (path, bytes) = assets.read_file(parameters, "filename")?;
-    let file = match grid_file::read(&bytes) {
-        Ok(file) => file,
-        Err(error) => {
-            let fault = if error.is_unsupported() { Fault::Unsupported } else { Fault::Syntax };
-            parameters.error(fault, "filename", format!("{}: {error}", path.display()));
-            return None;
-        }
+    let file = if parameters.has("data") {
+        grid_in_memory(parameters)?
+    } else {
+        grid_in_file(assets, parameters)?
     };
     let box_to_world = if options.use_grid_bbox {
         options.to_world * from_unit_cube(&file.bounds)
@@ -103,6 +107,46 @@ pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<GridVol
         return None;
     };
     Some(GridVolume::new(file, &options, to_world))
+}
+
+fn grid_in_file(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<GridFile> {
+    let (path, bytes) = assets.read_file(parameters, "filename")?;
+    let report = |error: GridError| {
+        let fault = if error.is_unsupported() { Fault::Unsupported } else { Fault::Syntax };
+        parameters.error(fault, "filename", format!("{}: {error}", path.display()));
+    };
+    grid_file::read(&bytes).map_err(report).ok()
+}
+
+/// The grid of a buffer: layers, rows and columns of cells, and channels where there are several.
+fn grid_in_memory(parameters: &Parameters<'_>) -> Option<GridFile> {
+    let fail = |name: &str, message: String| {
+        parameters.error(Fault::BadValue, name, message);
+        None
+    };
+    if parameters.has("filename") {
+        let message = "a grid comes from `filename` or from `data`, not from both";
+        return fail("filename", message.to_owned());
+    }
+    let buffer = parameters.buffer("data")?;
+    let (sides, channels) = match *buffer.shape() {
+        [z, y, x] => ([x, y, z], 1),
+        [z, y, x, channels] => ([x, y, z], channels),
+        ref other => {
+            let message =
+                format!("`data` has the shape {other:?}, but needs layers, rows and columns");
+            return fail("data", message);
+        }
+    };
+    let Some(values) = buffer.to_fractions() else {
+        let found = buffer.elements().type_name();
+        let message = format!("`data` must hold floats, bytes or 16-bit integers, not {found}");
+        return fail("data", message);
+    };
+    match GridFile::in_unit_cube(sides, channels, values) {
+        Ok(grid) => Some(grid),
+        Err(error) => fail("data", format!("`data`: {error}")),
+    }
 }
 
 /// The map of the unit cube to a box.

@@ -83,7 +83,8 @@ fn write_plugin(text: &mut String, (class, name, manual): &Page) {
         let cells = cells.map(|cell| escape(&cell));
         let _ = writeln!(text, "| {} | {} |", cells.join(" | "), escape(parameter.meaning));
     }
-    let _ = write!(text, "\n```xml\n{}\n```\n", manual.sample.trim());
+    let (language, sample) = (manual.sample_language(), manual.sample.trim());
+    let _ = write!(text, "\n```{language}\n{sample}\n```\n");
 }
 
 /// A bar would end the cell of a table.

@@ -1,0 +1,80 @@
+//! Transforms: which of them can be used, and the placement of cameras.
+
+use glam::{DMat3, DMat4, DVec3};
+
+/// Camera to world: the camera at `origin` looks along +z at `target`, y is as near to `up` as can be,
+/// and x points to the left of the picture. If `up` is zero, any direction will do.
+///
+/// # Errors
+///
+/// If `target` is `origin` or `up` is parallel to the direction of view.
+pub fn look_at_matrix(origin: DVec3, target: DVec3, up: DVec3) -> Result<DMat4, &'static str> {
+    let Some(direction) = (target - origin).try_normalize() else {
+        return Err("`origin` and `target` are the same point");
+    };
+    let up = if up == DVec3::ZERO { direction.any_orthonormal_vector() } else { up };
+    let side = up.normalize_or_zero().cross(direction);
+    let Some(left) = side.try_normalize().filter(|_| side.length() > 1e-9) else {
+        return Err("`up` is parallel to the direction of view");
+    };
+    let matrix = DMat3::from_cols(left, direction.cross(left), direction);
+    Ok(DMat4::from_translation(origin) * DMat4::from_mat3(matrix))
+}
+
+/// How far the last row of an affine matrix may be from 0, 0, 0, 1, for the digits that exporters
+/// write.
+const AFFINE_TOLERANCE: f64 = 1e-4;
+
+/// If three unit columns span a smaller volume than this, it is rounding error.
+const SINGULAR_VOLUME: f64 = 1e-12;
+
+/// Why a matrix cannot be used as the transformation `name`, if it cannot. Coordinates on a surface
+/// (`to_uv`) need not be invertible.
+pub fn transform_problem(name: &str, matrix: DMat4) -> Option<&'static str> {
+    let is_planar = matches!(name, "to_uv" | "toUV");
+    if !matrix.is_finite() {
+        Some("this transform has numbers beyond all bounds")
+    } else if !is_planar && !is_affine(matrix) {
+        Some("the last row of a matrix must be 0, 0, 0, 1")
+    } else if !is_planar && is_singular(matrix) {
+        Some("this transform is singular: it has no inverse")
+    } else {
+        None
+    }
+}
+
+pub(crate) fn is_affine(matrix: DMat4) -> bool {
+    let last = matrix.row(3);
+    last.truncate().abs().max_element() <= AFFINE_TOLERANCE
+        && (last.w - 1.0).abs() <= AFFINE_TOLERANCE
+}
+
+/// Whether a direction is lost. Independent of the scale, so that tiny objects are no fault.
+fn is_singular(matrix: DMat4) -> bool {
+    let linear = DMat3::from_mat4(matrix);
+    let unit = |column: DVec3| column.normalize_or_zero();
+    let unit = DMat3::from_cols(unit(linear.x_axis), unit(linear.y_axis), unit(linear.z_axis));
+    unit.determinant().abs() < SINGULAR_VOLUME || !matrix.inverse().is_finite()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_camera_looks_along_its_z_axis() {
+        let matrix = look_at_matrix(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y).unwrap();
+        assert_eq!(matrix.transform_point3(DVec3::Z), DVec3::Z * 3.0);
+        assert_eq!(matrix.transform_vector3(DVec3::X), -DVec3::X);
+        assert!(look_at_matrix(DVec3::X, DVec3::X, DVec3::Y).is_err());
+        assert!(look_at_matrix(DVec3::X, DVec3::Y, DVec3::Y - DVec3::X).is_err());
+        assert!(look_at_matrix(DVec3::X, DVec3::Y, DVec3::ZERO).is_ok());
+    }
+
+    #[test]
+    fn coordinates_on_a_surface_may_be_collapsed() {
+        let flat = DMat4::from_scale(DVec3::new(0.0, 1.0, 1.0));
+        assert_eq!(transform_problem("to_uv", flat), None);
+        assert!(transform_problem("to_world", flat).is_some());
+    }
+}

@@ -1,0 +1,6 @@
+Node::shape("mesh")
+    .with("positions", vec![[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    .with("indices", vec![[0_u32, 1, 2]])
+    .with("uv", vec![[0.0_f32, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    .with("vertex_color", vec![[255_u8, 0, 0], [0, 255, 0], [0, 0, 255]])
+    .child(Node::bsdf("diffuse"))
