@@ -1,13 +1,17 @@
 //! `direct`: emitters, and light that is scattered once.
 
-use crate::light::{NextEvent, Origin, distant, emitted, first_sight};
-use crate::path::HIDE_EMITTERS;
-use crate::{Integrator, Radiance, Start};
+use crate::estimator::{
+    Continuation, NextEvent, PathVertex, PathWeight, ScatterNumbers, StrictNormals, distant,
+    emitted, first_surface,
+};
+use crate::options::IntegratorOptions;
+use crate::parameters::{HIDE_EMITTERS, STRICT_NORMALS, read_strict_normals};
+use crate::integrator::{Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters};
 use etendue_sampling::Sampler;
-use etendue_scene::bsdf::{Bsdf, Lobe, Transport};
+use etendue_scene::bsdf::Bsdf;
 use etendue_scene::{Manual, ParameterManual, Scene, SurfaceInteraction};
-use etendue_spectrum::Spectrum;
+use etendue_spectrum::{Spectrum, SpectrumLanes};
 
 /// The manual page.
 pub(crate) const MANUAL: Manual = Manual {
@@ -32,12 +36,7 @@ pub(crate) const MANUAL: Manual = Manual {
             meaning: "Material samples for each camera sample.",
         },
         HIDE_EMITTERS,
-        ParameterManual {
-            name: "strict_normals",
-            kind: "boolean",
-            default: "false",
-            meaning: "Light must be on the same side of the geometric as of the shading normal.",
-        },
+        STRICT_NORMALS,
     ],
     sample: r#"<integrator type="direct"><integer name="emitter_samples" value="2"/></integrator>"#,
 };
@@ -51,13 +50,13 @@ pub struct Direct {
     emitter_samples: u32,
     bsdf_samples: u32,
     hide_emitters: bool,
-    strict_normals: bool,
+    strict_normals: StrictNormals,
 }
 
 impl Direct {
     /// Reads the counts. Without emitter sampling, the material's samples do all the work.
     #[must_use]
-    pub fn build(parameters: &Parameters<'_>, emitter_sampling: bool) -> Self {
+    pub fn build(parameters: &Parameters<'_>, options: &IntegratorOptions) -> Self {
         let both = parameters.integer_in("shading_samples", 1, 1..=MAX_SAMPLES);
         let emitter_samples =
             parameters.integer_in("emitter_samples", both, 0..=MAX_SAMPLES) as u32;
@@ -66,20 +65,22 @@ impl Direct {
             let message = "without emitter samples and without material samples there is no light";
             parameters.error(Fault::BadValue, "bsdf_samples", message);
         }
+        let emitter_sampling = options.emitter_sampling;
         Self {
             emitter_samples: if emitter_sampling { emitter_samples } else { 0 },
             bsdf_samples: if emitter_sampling { bsdf_samples } else { bsdf_samples.max(1) },
             hide_emitters: parameters.boolean("hide_emitters", false),
-            strict_normals: parameters.boolean("strict_normals", false),
+            strict_normals: read_strict_normals(parameters),
         }
     }
 
+    /// Light that is sampled on the emitters.
     fn by_emitters(
         &self,
         scene: &Scene,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
-        stream: &mut Sampler,
+        sampler: &mut Sampler,
     ) -> Spectrum {
         if self.emitter_samples == 0 || !bsdf.has_smooth_lobe() {
             return Spectrum::ZERO;
@@ -87,38 +88,40 @@ impl Direct {
         let scatter_ratio = self.bsdf_samples as f32 / self.emitter_samples as f32;
         let next_event = NextEvent { strict_normals: self.strict_normals, scatter_ratio };
         let sum: Spectrum = (0..self.emitter_samples)
-            .map(|_| next_event.estimate(scene, surface, bsdf, stream.next_2d()))
+            .filter_map(|_| next_event.propose(scene, surface, bsdf, sampler.next_2d()))
+            .filter(|light| !scene.occluded(&light.shadow_ray))
+            .map(|light| light.radiance)
             .sum();
         sum / self.emitter_samples as f32
     }
 
+    /// Light that is found in directions sampled from the material.
     fn by_material(
         &self,
         scene: &Scene,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
-        stream: &mut Sampler,
+        sampler: &mut Sampler,
     ) -> Spectrum {
         let scatter_ratio = self.bsdf_samples as f32 / self.emitter_samples as f32;
+        let start = PathWeight { throughput: SpectrumLanes::grey(1.0), eta: 1.0 };
         let mut sum = Spectrum::ZERO;
         for _ in 0..self.bsdf_samples {
-            let (lobe, direction) = (stream.next_1d(), stream.next_2d());
-            let Some(sample) = bsdf.sample(surface.wi, lobe, direction, Transport::Radiance) else {
-                continue;
-            };
-            let direction = surface.to_world(sample.wo);
-            let inconsistent = direction.dot(surface.normal) * sample.wo.z <= 0.0;
-            if self.strict_normals && sample.lobe != Lobe::Null && inconsistent {
+            let (lobe, direction) = (sampler.next_1d(), sampler.next_2d().into());
+            let numbers = ScatterNumbers { lobe, direction };
+            let next = Continuation::at_hit(surface, bsdf, start, &numbers, self.strict_normals);
+            if !next.exists {
                 continue;
             }
-            let competing = self.emitter_samples > 0 && sample.lobe.is_smooth();
-            let pdf = competing.then_some(sample.pdf * scatter_ratio);
-            let origin = Origin { point: surface.point, pdf };
+            let competes = self.emitter_samples > 0 && next.smooth;
+            let pdf = competes.then_some(next.pdf * scatter_ratio);
+            let vertex = PathVertex { point: surface.point, pdf };
+            let direction = next.direction.into();
             let found = match scene.intersect(&surface.spawn_ray(direction)) {
-                Some(light) => emitted(scene, &light, direction, &origin),
-                None => distant(scene, direction, &origin),
+                Some(light) => emitted(scene, &light, direction, &vertex),
+                None => distant(scene, direction, &vertex),
             };
-            sum += sample.weight * found;
+            sum += Spectrum::from(next.weight.throughput) * found;
         }
         if self.bsdf_samples == 0 { sum } else { sum / self.bsdf_samples as f32 }
     }
@@ -129,19 +132,18 @@ impl Integrator for Direct {
         &self,
         scene: &Scene,
         start: &Start,
-        stream: &mut Sampler,
+        sampler: &mut Sampler,
         _: &mut [f32],
     ) -> Radiance {
         let ray = &start.ray;
-        let surface = match first_sight(scene, ray, self.hide_emitters) {
+        let surface = match first_surface(scene, ray, self.hide_emitters) {
             Ok(surface) => surface,
             Err(background) => return background,
         };
-        let seen = Origin { point: ray.origin, pdf: None };
         let bsdf = scene.prepare_bsdf(&surface);
-        let color = emitted(scene, &surface, ray.direction, &seen)
-            + self.by_emitters(scene, &surface, &bsdf, stream)
-            + self.by_material(scene, &surface, &bsdf, stream);
+        let color = emitted(scene, &surface, ray.direction, &PathVertex::camera(ray.origin))
+            + self.by_emitters(scene, &surface, &bsdf, sampler)
+            + self.by_material(scene, &surface, &bsdf, sampler);
         Radiance { color, alpha: 1.0 }
     }
 }

@@ -1,10 +1,10 @@
-//! What the volumetric integrators are made of: flights through media, connections to emitters, and
-//! how likely each way of finding a path was.
+//! What the volumetric integrators are made of: walks through media, connections to emitters, and the
+//! densities of whole paths.
 
 mod connection;
 mod walk;
 mod weights;
 
 pub(crate) use connection::{Connection, Vertex};
-pub(crate) use walk::{Event, MediumWalk};
+pub(crate) use walk::{Event, MediumVertex, MediumWalk};
 pub(crate) use weights::{Heuristic, Weights};

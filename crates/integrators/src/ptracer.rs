@@ -1,9 +1,9 @@
 //! `ptracer`: particles from the emitters, whose splats make the picture.
 
+use crate::estimator::{PathVertex, Roulette, emitted, first_hit, first_surface, is_hidden};
 use crate::integrator::{Integrator, Radiance, Start};
-use crate::light::{Origin, emitted, first_hit, first_sight};
+use crate::parameters::{DepthLimits, HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
 use crate::particles::{ParticleIntegrator, Splat, SplatSink, SplatTarget};
-use crate::path::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH, depths};
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_sampling::Sampler;
@@ -37,8 +37,7 @@ pub(crate) const MANUAL: Manual = Manual {
 /// The particle tracer.
 #[derive(Clone, Debug)]
 pub struct ParticleTracer {
-    max_depth: u32,
-    rr_depth: u32,
+    limits: DepthLimits,
     hide_emitters: bool,
 }
 
@@ -68,9 +67,10 @@ impl ParticleTracer {
     #[must_use]
     pub fn build(parameters: &Parameters<'_>) -> Self {
         parameters.optional_integer("samples_per_pass");
-        let (max_depth, rr_depth) = depths(parameters);
-        let hide_emitters = parameters.boolean("hide_emitters", false);
-        Self { max_depth, rr_depth, hide_emitters }
+        Self {
+            limits: DepthLimits::read(parameters),
+            hide_emitters: parameters.boolean("hide_emitters", false),
+        }
     }
 
     /// Starts a particle at an emitter; `None` if the emitter sends none this time.
@@ -92,7 +92,7 @@ impl ParticleTracer {
         connection: &Connection,
     ) -> Spectrum {
         let Vertex { surface, bsdf } = vertex;
-        let hidden = self.hide_emitters && scene.emitter_of(surface).is_some();
+        let hidden = self.hide_emitters && is_hidden(scene, surface);
         if hidden || !bsdf.has_smooth_lobe() {
             return Spectrum::ZERO;
         }
@@ -147,13 +147,11 @@ impl ParticleTracer {
         if particle.power.is_black() || !particle.power.is_finite() {
             return false;
         }
-        if depth >= self.rr_depth {
+        if depth >= self.limits.rr_depth {
             let share = particle.power.max_component() / particle.start;
-            let probability = (share * particle.eta * particle.eta).min(0.95);
-            if roulette >= probability {
-                return false;
-            }
-            particle.power *= 1.0 / probability;
+            let Roulette { survives, gain } = Roulette::play(share, particle.eta, roulette);
+            particle.power *= gain;
+            return survives;
         }
         true
     }
@@ -177,15 +175,19 @@ impl Integrator for ParticleTracer {
     /// The emitters that the camera sees directly. Particles bring the rest.
     fn sample(&self, scene: &Scene, start: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
         let ray = &start.ray;
-        let seen = Origin { point: ray.origin, pdf: None };
-        let radiance = first_sight(scene, ray, self.hide_emitters).map_or_else(
+        let camera = PathVertex::camera(ray.origin);
+        let radiance = first_surface(scene, ray, self.hide_emitters).map_or_else(
             |background| background,
             |surface| Radiance {
-                color: emitted(scene, &surface, ray.direction, &seen),
+                color: emitted(scene, &surface, ray.direction, &camera),
                 alpha: 1.0,
             },
         );
-        if self.max_depth > 0 { radiance } else { Radiance { color: Spectrum::ZERO, ..radiance } }
+        if self.limits.max_depth > 0 {
+            radiance
+        } else {
+            Radiance { color: Spectrum::ZERO, ..radiance }
+        }
     }
 
     fn particles(&self) -> Option<&dyn ParticleIntegrator> {
@@ -204,7 +206,7 @@ impl ParticleIntegrator for ParticleTracer {
         let Some(mut particle) = Self::emit(scene, sampler) else { return };
         // The last edge leads to the camera.
         let mut depth = 1;
-        while depth < self.max_depth {
+        while depth < self.limits.max_depth {
             let Some(surface) = scene.intersect(&particle.ray) else { return };
             let bsdf = scene.prepare_bsdf(&surface);
             let vertex = Vertex { surface: &surface, bsdf: &bsdf };

@@ -1,29 +1,21 @@
 //! Every integrator, one line each.
 
-use crate::{
-    Aov, Depth, Direct, Integrator, Moment, Nested, ParticleTracer, Path, VolumePath, aov, depth,
-    direct, moment, path, ptracer, volpath, volpathmis,
-};
+use crate::aov::{self, Aov};
+use crate::depth::{self, Depth};
+use crate::direct::{self, Direct};
+use crate::integrator::Integrator;
+use crate::moment::{self, Moment};
+use crate::nested::Nested;
+use crate::options::IntegratorOptions;
+use crate::path::{self, Path};
+use crate::ptracer::{self, ParticleTracer};
+use crate::volpath::{self, VolumePath};
+use crate::volpathmis;
 use etendue_document::{
     Child, Class, Diagnostic, Diagnostics, Document, Fault, NodeId, Parameters, Span,
 };
 use etendue_scene::Manual;
 use etendue_scene::registry::report_unknown;
-
-/// What the user of the library decides about how light is computed, over what the scene says.
-#[derive(Clone, Debug)]
-pub struct IntegratorOptions {
-    /// Another integrator than the scene's, by its XML `type`, with the scene's parameters.
-    pub name: Option<String>,
-    /// Whether emitters are sampled; without, light is found by chance alone.
-    pub emitter_sampling: bool,
-}
-
-impl Default for IntegratorOptions {
-    fn default() -> Self {
-        Self { name: None, emitter_sampling: true }
-    }
-}
 
 /// What an integrator is built from.
 struct Build<'a> {
@@ -56,9 +48,7 @@ const fn plugin(
 pub static INTEGRATORS: &[IntegratorPlugin] = &[
     plugin("aov", &aov::MANUAL, |b| Some(Box::new(Aov::build(b.parameters, b.nested()?)))),
     plugin("depth", &depth::MANUAL, |_| Some(Box::new(Depth))),
-    plugin("direct", &direct::MANUAL, |b| {
-        Some(Box::new(Direct::build(b.parameters, b.options.emitter_sampling)))
-    }),
+    plugin("direct", &direct::MANUAL, |b| Some(Box::new(Direct::build(b.parameters, b.options)))),
     plugin("moment", &moment::MANUAL, |b| {
         let nested = b.nested()?;
         if nested.is_empty() {
@@ -68,15 +58,13 @@ pub static INTEGRATORS: &[IntegratorPlugin] = &[
         }
         Some(Box::new(Moment::new(nested)))
     }),
-    plugin("path", &path::MANUAL, |b| {
-        Some(Box::new(Path::build(b.parameters, b.options.emitter_sampling)))
-    }),
+    plugin("path", &path::MANUAL, |b| Some(Box::new(Path::build(b.parameters, b.options)))),
     plugin("ptracer", &ptracer::MANUAL, |b| Some(Box::new(ParticleTracer::build(b.parameters)))),
     plugin("volpath", &volpath::MANUAL, |b| {
-        Some(Box::new(VolumePath::build(b.parameters, b.options.emitter_sampling)))
+        Some(Box::new(VolumePath::build(b.parameters, b.options)))
     }),
     plugin("volpathmis", &volpathmis::MANUAL, |b| {
-        Some(Box::new(volpathmis::build(b.parameters, b.options.emitter_sampling)))
+        Some(Box::new(volpathmis::build(b.parameters, b.options)))
     }),
 ];
 

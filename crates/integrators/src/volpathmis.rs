@@ -1,8 +1,8 @@
 //! `volpathmis`: path tracing through media whose colours differ in extinction.
 
-use crate::VolumePath;
 use crate::media::Heuristic;
-use crate::volpath::PARAMETERS;
+use crate::options::IntegratorOptions;
+use crate::volpath::{PARAMETERS, VolumePath};
 use etendue_document::Parameters;
 use etendue_scene::Manual;
 
@@ -17,6 +17,6 @@ pub(crate) const MANUAL: Manual = Manual {
 };
 
 /// Reads `volpathmis`.
-pub(crate) fn build(parameters: &Parameters<'_>, emitter_sampling: bool) -> VolumePath {
-    VolumePath::with_heuristic(parameters, emitter_sampling, Heuristic::Paths)
+pub(crate) fn build(parameters: &Parameters<'_>, options: &IntegratorOptions) -> VolumePath {
+    VolumePath::with_heuristic(parameters, options, Heuristic::Paths)
 }

@@ -1,7 +1,7 @@
 //! Connections to emitters: how much light passes media and surfaces that do not bend it.
 
 use super::walk::{MediumWalk, medium_beyond, transmittance};
-use crate::thin_sheet::ThinSheet;
+use crate::estimator::ThinSheet;
 use etendue_math::{Ray, offset_ray_origin};
 use etendue_scene::emitter::DirectionSample;
 use etendue_scene::medium::{Density, Heterogeneous, Medium};
@@ -14,7 +14,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Vertex<'a> {
     /// In a medium.
-    Inside(Vec3),
+    Medium(Vec3),
     /// On a surface.
     Surface(&'a SurfaceInteraction),
 }
@@ -24,24 +24,23 @@ pub(crate) enum Vertex<'a> {
 pub(crate) struct Connection {
     /// The share of light that passes: an estimate without bias.
     pub(crate) transmittance: Spectrum,
-    /// The density of a path passing here by chance if each of the channels unidirectional_pdf, relative to the
-    /// connection's.
+    /// For each channel, the density with which a path that distances are sampled for in this channel
+    /// passes here by chance, relative to that of the connection.
     pub(crate) unidirectional_pdf: Spectrum,
 }
 
-/// A connection on its way.
-struct Way<'a> {
+/// A connection that is being traced.
+struct Tracer<'a> {
     walk: &'a mut MediumWalk,
     connection: Connection,
-    /// The masked sheet that it has just passed.
-    sheet: Option<ThinSheet>,
+    sheet: ThinSheet,
 }
 
 impl Vertex<'_> {
     /// Where a ray towards `direction` starts.
     fn origin(&self, direction: Vec3) -> Vec3 {
         match self {
-            Self::Inside(point) => *point,
+            Self::Medium(point) => *point,
             Self::Surface(surface) => {
                 offset_ray_origin(surface.point, surface.error, surface.normal, direction)
             }
@@ -58,39 +57,39 @@ impl Connection {
         walk: &mut MediumWalk,
     ) -> Option<Self> {
         let mut medium = match vertex {
-            Vertex::Inside(_) => walk.medium,
+            Vertex::Medium(_) => walk.medium,
             Vertex::Surface(surface) => medium_beyond(scene, surface, light.direction, walk.medium),
         };
         let mut ray = light.shadow_ray_from(vertex.origin(light.direction));
         let connection = Self { transmittance: Spectrum::ONE, unidirectional_pdf: Spectrum::ONE };
-        let mut way = Way { walk, connection, sheet: None };
+        let mut tracer = Tracer { walk, connection, sheet: ThinSheet::default() };
         loop {
             let hit = scene.closest_hit(&ray);
             // Surfaces end most connections, and cost less than media.
             let surface = hit.map(|hit| scene.interaction(&ray, &hit));
             if let Some(surface) = &surface {
-                way.pass_surface(scene, surface)?;
+                tracer.pass_surface(scene, surface)?;
             }
             let t_max = surface.as_ref().map_or(ray.t_max, |surface| surface.t);
-            way.pass_medium(scene, medium, &Ray { t_max, ..ray })?;
-            let Some(surface) = surface else { return Some(way.connection) };
+            tracer.pass_medium(scene, medium, &Ray { t_max, ..ray })?;
+            let Some(surface) = surface else { return Some(tracer.connection) };
             medium = medium_beyond(scene, &surface, light.direction, medium);
             ray = light.shadow_ray_from(Vertex::Surface(&surface).origin(light.direction));
         }
     }
 }
 
-/// Below this, most connections are given up, and those that are left stand for them.
+/// Below this transmittance, most connections are given up, and the others stand for them.
 const FAINT: f32 = 0.05;
 /// The share of faint connections that go on.
 const SURVIVAL: f32 = 0.25;
 
-impl Way<'_> {
+impl Tracer<'_> {
     fn pass_surface(&mut self, scene: &Scene, surface: &SurfaceInteraction) -> Option<()> {
-        if self.sheet.as_mut().is_some_and(|sheet| sheet.holds(surface)) {
+        if self.sheet.holds(surface) {
             return Some(());
         }
-        self.sheet = Some(ThinSheet::new(surface.shape, surface.point));
+        self.sheet.enter(surface.shape, surface.point);
         let (share, pdf) = scene.prepare_bsdf(surface).null_transmission(surface.wi);
         self.connection.transmittance *= share;
         self.connection.unidirectional_pdf *= pdf;
@@ -102,26 +101,27 @@ impl Way<'_> {
         let medium = scene.medium(id);
         match &medium.density {
             Density::Homogeneous(density) => {
-                let site = MediumInteraction { point: ray.origin, wi: -ray.direction };
-                let area = medium.phase.projected_area(&site);
-                let passed = transmittance(density.extinction() * area, ray.t_max);
-                self.connection.transmittance *= passed;
-                self.connection.unidirectional_pdf *= passed;
+                let interaction = MediumInteraction { point: ray.origin, wi: -ray.direction };
+                let area = medium.phase.projected_area(&interaction);
+                let transmittance = transmittance(density.extinction() * area, ray.t_max);
+                self.connection.transmittance *= transmittance;
+                self.connection.unidirectional_pdf *= transmittance;
                 (!self.connection.transmittance.is_black()).then_some(())
             }
-            Density::Heterogeneous(density) => self.track(medium, density, ray),
+            Density::Heterogeneous(density) => self.ratio_track(medium, density, ray),
         }
     }
 
     /// Ratio tracking: every collision lets the share pass that is not real (Novák, Selle and Jarosz,
     /// "Residual ratio tracking for estimating attenuation in participating media", *ACM
     /// Transactions on Graphics* 33(6), 2014).
-    fn track(&mut self, medium: &Medium, density: &Heterogeneous, ray: &Ray) -> Option<()> {
+    fn ratio_track(&mut self, medium: &Medium, density: &Heterogeneous, ray: &Ray) -> Option<()> {
         let wi = -ray.direction;
         let mut tracker = density.track(ray);
-        while let Some(collision) = tracker.advance(self.walk.optical_depth()) {
-            let found = medium.coefficients(&MediumInteraction { point: ray.at(collision.t), wi });
-            let null = Spectrum::ONE - (found.extinction / collision.majorant).min(Spectrum::ONE);
+        while let Some(collision) = tracker.advance(self.walk.sample_optical_depth()) {
+            let interaction = MediumInteraction { point: ray.at(collision.t), wi };
+            let extinction = medium.coefficients(&interaction).extinction;
+            let null = Spectrum::ONE - (extinction / collision.majorant).min(Spectrum::ONE);
             self.connection.transmittance *= null;
             self.connection.unidirectional_pdf *= null;
             let greatest = self.connection.transmittance.max_component();
@@ -129,7 +129,7 @@ impl Way<'_> {
                 return None;
             }
             if greatest < FAINT {
-                if self.walk.numbers().next_1d() >= SURVIVAL {
+                if self.walk.sampler().next_1d() >= SURVIVAL {
                     return None;
                 }
                 self.connection.transmittance *= 1.0 / SURVIVAL;
@@ -186,8 +186,8 @@ mod tests {
         let mut depth = [0.0_f64; 3];
         for step in 0..steps {
             let point = ray.at(((f64::from(step) + 0.5) * length) as f32);
-            let site = MediumInteraction { point, wi: -direction };
-            let found = scene.medium(medium.expect("a medium")).coefficients(&site);
+            let interaction = MediumInteraction { point, wi: -direction };
+            let found = scene.medium(medium.expect("a medium")).coefficients(&interaction);
             let rgb = found.extinction.rgb();
             depth.iter_mut().zip(rgb).for_each(|(sum, sigma)| *sum += f64::from(sigma) * length);
         }
@@ -198,9 +198,9 @@ mod tests {
         let spec = SamplerSpec::new(SamplerKind::Independent, count, 5);
         let mut found = [(); 3].map(|()| Accumulator::default());
         for index in 0..count {
-            let stream = spec.start(UVec2::ZERO, index);
-            let mut walk = MediumWalk::new(ray, medium, &stream);
-            let passed = Connection::new(&scene, Vertex::Inside(start), &light, &mut walk)
+            let sampler = spec.start(UVec2::ZERO, index);
+            let mut walk = MediumWalk::new(ray, medium, &sampler);
+            let passed = Connection::new(&scene, Vertex::Medium(start), &light, &mut walk)
                 .map_or(Spectrum::ZERO, |connection| connection.transmittance);
             found.iter_mut().zip(passed.rgb()).for_each(|(sum, value)| sum.add(value.into()));
         }

@@ -1,4 +1,4 @@
-//! Flights through media: where a path collides next.
+//! Walks through media: where a path collides next.
 
 use super::weights::{Step, Weights};
 use etendue_math::Ray;
@@ -12,8 +12,8 @@ use glam::Vec3;
 /// What a ray comes to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Event {
-    /// It scatters in a medium, at this point.
-    Scattering(MediumId, Vec3),
+    /// It is scattered in a medium.
+    Scattering(MediumVertex),
     /// It meets a surface.
     Surface(Hit),
     /// It leaves the scene.
@@ -22,28 +22,43 @@ pub(crate) enum Event {
     End,
 }
 
+/// Where a path is scattered in a medium.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MediumVertex {
+    pub(crate) medium: MediumId,
+    pub(crate) point: Vec3,
+}
+
 /// A ray on its way, and the medium that it is in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MediumWalk {
     pub(crate) ray: Ray,
     pub(crate) medium: Option<MediumId>,
-    /// The numbers for distances. They are apart from those of the vertices, whose dimensions do not
-    /// depend on how many collisions there are.
-    numbers: Sampler,
-    /// The channel that leads.
+    /// The random numbers for distances. They are apart from those of the vertices, whose dimensions
+    /// do not depend on how many collisions there are.
+    sampler: Sampler,
+    /// The colour channel whose extinction distances are sampled for.
     channel: usize,
+}
+
+/// The medium that a ray passes, with the kind of its density.
+#[derive(Clone, Copy)]
+struct Passed<'a, D> {
+    id: MediumId,
+    medium: &'a Medium,
+    density: &'a D,
 }
 
 /// Vertices take their numbers from below this dimension, distances from above.
 const FIRST_DIMENSION: u32 = 1 << 24;
 
 impl MediumWalk {
-    pub(crate) fn new(ray: Ray, medium: Option<MediumId>, stream: &Sampler) -> Self {
-        let mut numbers = *stream;
-        numbers.set_dimension(FIRST_DIMENSION);
-        let lanes = Spectrum::LANES;
-        let channel = ((numbers.next_1d() * lanes as f32) as usize).min(lanes - 1);
-        Self { ray, medium, numbers, channel }
+    pub(crate) fn new(ray: Ray, medium: Option<MediumId>, sampler: &Sampler) -> Self {
+        let mut sampler = *sampler;
+        sampler.set_dimension(FIRST_DIMENSION);
+        let channels = Spectrum::LANES;
+        let channel = ((sampler.next_1d() * channels as f32) as usize).min(channels - 1);
+        Self { ray, medium, sampler, channel }
     }
 
     /// Leaves a surface towards `direction`.
@@ -55,16 +70,18 @@ impl MediumWalk {
 
     /// Goes on to the next event.
     #[inline]
-    pub(crate) fn travel(&mut self, scene: &Scene, weights: &mut Weights) -> Event {
+    pub(crate) fn advance(&mut self, scene: &Scene, weights: &mut Weights) -> Event {
         let Some(id) = self.medium else {
             return at_end(scene.closest_hit(&self.ray));
         };
         let medium = scene.medium(id);
         match &medium.density {
             Density::Homogeneous(density) => {
-                self.sample_distance(scene, (id, medium, density), weights)
+                self.sample_distance(scene, Passed { id, medium, density }, weights)
             }
-            Density::Heterogeneous(density) => self.track(scene, (id, medium, density), weights),
+            Density::Heterogeneous(density) => {
+                self.delta_track(scene, Passed { id, medium, density }, weights)
+            }
         }
     }
 
@@ -73,49 +90,53 @@ impl MediumWalk {
     fn sample_distance(
         &mut self,
         scene: &Scene,
-        (id, medium, density): (MediumId, &Medium, &Homogeneous),
+        passed: Passed<'_, Homogeneous>,
         weights: &mut Weights,
     ) -> Event {
-        let site = MediumInteraction { point: self.ray.origin, wi: -self.ray.direction };
-        let extinction = density.extinction() * medium.phase.projected_area(&site);
-        let t = self.optical_depth() / extinction[self.channel];
+        let Passed { id, medium, density } = passed;
+        let start = MediumInteraction { point: self.ray.origin, wi: -self.ray.direction };
+        let extinction = density.extinction() * medium.phase.projected_area(&start);
+        let t = self.sample_optical_depth() / extinction[self.channel];
         let before = Ray { t_max: t.min(self.ray.t_max), ..self.ray };
         let hit = scene.closest_hit(&before);
         if hit.is_none() && t < self.ray.t_max {
-            let passed = transmittance(extinction, t);
+            let transmittance = transmittance(extinction, t);
             let point = self.ray.at(t);
-            let value = passed * extinction * density.albedo(point);
-            let step = Step { value, unidirectional_pdf: passed * extinction, light_pdf: 0.0 };
-            return if weights.go(&step) { Event::Scattering(id, point) } else { Event::End };
+            let value = transmittance * extinction * density.albedo(point);
+            let unidirectional_pdf = transmittance * extinction;
+            let step = Step { value, unidirectional_pdf, light_pdf: 0.0 };
+            return collision(MediumVertex { medium: id, point }, weights, &step);
         }
-        let passed = transmittance(extinction, hit.map_or(self.ray.t_max, |hit| hit.t));
+        let transmittance = transmittance(extinction, hit.map_or(self.ray.t_max, |hit| hit.t));
         // A connection to an emitter would pass for certain, by the closed form.
-        let step = Step { value: passed, unidirectional_pdf: passed, light_pdf: 1.0 };
-        if weights.go(&step) { at_end(hit) } else { Event::End }
+        let step = Step { value: transmittance, unidirectional_pdf: transmittance, light_pdf: 1.0 };
+        if weights.advance(&step) { at_end(hit) } else { Event::End }
     }
 
     /// Through a heterogeneous medium: delta tracking.
-    fn track(
+    fn delta_track(
         &mut self,
         scene: &Scene,
-        (id, medium, density): (MediumId, &Medium, &Heterogeneous),
+        passed: Passed<'_, Heterogeneous>,
         weights: &mut Weights,
     ) -> Event {
+        let Passed { id, medium, density } = passed;
         let hit = scene.closest_hit(&self.ray);
         let t_max = hit.map_or(self.ray.t_max, |hit| hit.t);
         let mut tracker = density.track(&Ray { t_max, ..self.ray });
-        while let Some(collision) = tracker.advance(self.optical_depth()) {
-            let point = self.ray.at(collision.t);
-            let found = medium.coefficients(&MediumInteraction { point, wi: -self.ray.direction });
+        while let Some(found) = tracker.advance(self.sample_optical_depth()) {
+            let point = self.ray.at(found.t);
+            let interaction = MediumInteraction { point, wi: -self.ray.direction };
+            let coefficients = medium.coefficients(&interaction);
             // Transmittances against the majorant are the same for all channels and cancel.
-            let real = (found.extinction / collision.majorant).min(Spectrum::ONE);
-            if self.numbers.next_1d() < real[self.channel] {
-                let value = found.scattering / collision.majorant;
+            let real = (coefficients.extinction / found.majorant).min(Spectrum::ONE);
+            if self.sampler.next_1d() < real[self.channel] {
+                let value = coefficients.scattering / found.majorant;
                 let step = Step { value, unidirectional_pdf: real, light_pdf: 0.0 };
-                return if weights.go(&step) { Event::Scattering(id, point) } else { Event::End };
+                return collision(MediumVertex { medium: id, point }, weights, &step);
             }
             let null = Spectrum::ONE - real;
-            if !weights.go(&Step { value: null, unidirectional_pdf: null, light_pdf: 1.0 }) {
+            if !weights.advance(&Step { value: null, unidirectional_pdf: null, light_pdf: 1.0 }) {
                 return Event::End;
             }
         }
@@ -124,17 +145,23 @@ impl MediumWalk {
 
     /// A random optical depth, of the exponential distribution of rate one.
     #[inline]
-    pub(super) fn optical_depth(&mut self) -> f32 {
-        -(1.0 - self.numbers.next_1d()).ln()
+    pub(super) fn sample_optical_depth(&mut self) -> f32 {
+        -(1.0 - self.sampler.next_1d()).ln()
     }
 
-    /// The numbers for distances.
+    /// The random numbers for distances.
     #[inline]
-    pub(super) fn numbers(&mut self) -> &mut Sampler {
-        &mut self.numbers
+    pub(super) fn sampler(&mut self) -> &mut Sampler {
+        &mut self.sampler
     }
 }
 
+/// The event of a real collision, to which the path goes by `step`.
+fn collision(vertex: MediumVertex, weights: &mut Weights, step: &Step) -> Event {
+    if weights.advance(step) { Event::Scattering(vertex) } else { Event::End }
+}
+
+/// The event at the end of a ray that has not collided.
 fn at_end(hit: Option<Hit>) -> Event {
     hit.map_or(Event::Escape, Event::Surface)
 }

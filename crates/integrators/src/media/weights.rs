@@ -1,12 +1,17 @@
-//! What a path through media carries, and how likely each way of finding it was.
+//! What a path through media carries, and the densities with which it could have been found.
 //!
-//! A medium whose extinction differs between colour channels is sampled for one channel, chosen for
-//! the whole path: it leads. The other channels could have unidirectional_pdf to the same path, and the balance
-//! heuristic over all of them keeps their weights bounded (Wilkie et al., "Hero Wavelength Spectral
-//! Sampling", 2014; for media with null collisions Miller, Georgiev and Jarosz, "A null-scattering
-//! path integral formulation of light transport", *ACM Transactions on Graphics* 38(4), 2019).
+//! Where extinction differs between colour channels, distances are sampled for one channel, chosen for
+//! the whole path. Any other channel could have led to the same path, and the balance heuristic over
+//! all of them keeps weights bounded (Wilkie et al., "Hero Wavelength Spectral Sampling", 2014; for
+//! media with null collisions Miller, Georgiev and Jarosz, "A null-scattering path integral formulation
+//! of light transport", *ACM Transactions on Graphics* 38(4), 2019).
+//!
+//! The *unidirectional density* of a path is the one with which scattering alone finds it, one value
+//! for each channel that distances could have been sampled for. Its *light density* is the one with
+//! which next-event estimation finds it.
 
-use crate::light::power_heuristic;
+use crate::estimator::{next_event_weight, power_heuristic};
+use etendue_scene::emitter::DirectionSample;
 use etendue_spectrum::Spectrum;
 
 /// What next-event estimation and chance are weighed by against each other.
@@ -14,27 +19,25 @@ use etendue_spectrum::Spectrum;
 pub(crate) enum Heuristic {
     /// The densities of the last direction: the power heuristic, as on surfaces.
     Directions,
-    /// The densities of the whole path with all collisions, for every channel that could have unidirectional_pdf:
-    /// the balance heuristic.
+    /// The densities of the whole path with all collisions, over all channels: the balance heuristic.
     Paths,
 }
 
 /// A path's share of the light at its end, and the densities it was found with.
 ///
-/// Densities are relative to that of the path so far averaged over the channels that could have
-/// unidirectional_pdf it. So none of them leaves the range of floats however long the path is.
+/// All densities are relative to the mean over the channels of the unidirectional density, so that they
+/// stay in the range of floats however long the path is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights {
     /// The share of the light at the end of the path that arrives at the camera, divided by the
     /// average density.
     pub(crate) throughput: Spectrum,
-    /// The density if each of the channels had unidirectional_pdf; their mean is one.
+    /// The unidirectional density for each channel; their mean is one.
     unidirectional_pdf: Spectrum,
-    /// The density if the path's last vertex had been chosen on an emitter, without that choice's
-    /// own; zero where no emitter could have been connected to.
+    /// The light density if the path ended here on an emitter, without that of choosing the emitter;
+    /// zero where next-event estimation does not compete.
     light_pdf: Spectrum,
-    /// The density in solid angle of the path's last direction, where an emitter could have been
-    /// connected to.
+    /// The density in solid angle of the path's last direction, where next-event estimation competes.
     direction_pdf: Option<f32>,
 }
 
@@ -43,9 +46,9 @@ pub(crate) struct Weights {
 pub(crate) struct Step {
     /// The share of light that passes, times densities of positions.
     pub(crate) value: Spectrum,
-    /// The density of the step if each of the channels unidirectional_pdf.
+    /// The unidirectional density of the step for each channel.
     pub(crate) unidirectional_pdf: Spectrum,
-    /// The density of the step on the way to an emitter.
+    /// The density of the step on the way to a sampled emitter.
     pub(crate) light_pdf: f32,
 }
 
@@ -60,9 +63,9 @@ impl Weights {
         }
     }
 
-    /// Goes a step; false where the path cannot have gone it.
+    /// Takes a step; false where no light is left.
     #[inline]
-    pub(crate) fn go(&mut self, step: &Step) -> bool {
+    pub(crate) fn advance(&mut self, step: &Step) -> bool {
         let unidirectional_pdf = self.unidirectional_pdf * step.unidirectional_pdf;
         let average = unidirectional_pdf.mean();
         if average <= 0.0 {
@@ -75,15 +78,15 @@ impl Weights {
         !self.throughput.is_black()
     }
 
-    /// Goes straight on through a surface that all channels let through with probability `pdf`.
+    /// Passes straight through a surface, which happens with probability `pdf` in all channels.
     #[inline]
-    pub(crate) fn pass(&mut self, weight: Spectrum, pdf: f32) -> bool {
+    pub(crate) fn pass_straight(&mut self, weight: Spectrum, pdf: f32) -> bool {
         let unidirectional_pdf = Spectrum::splat(pdf);
-        self.go(&Step { value: weight * pdf, unidirectional_pdf, light_pdf: 1.0 })
+        self.advance(&Step { value: weight * pdf, unidirectional_pdf, light_pdf: 1.0 })
     }
 
-    /// Takes a direction of density `pdf`, which all channels choose alike. `competes` says whether
-    /// an emitter could have been connected to instead.
+    /// Takes a direction of density `pdf`, the same in all channels. `competes` says whether next-event
+    /// estimation could have found what lies there.
     #[inline]
     pub(crate) fn turn(&mut self, weight: Spectrum, pdf: f32, competes: bool) {
         self.throughput *= weight;
@@ -92,33 +95,33 @@ impl Weights {
     }
 
     /// The weight of light that the path has found by chance, on an emitter that next-event
-    /// estimation would have chosen with density `emitter_pdf`.
+    /// estimation would have chosen with density `light_pdf`.
     #[inline]
-    pub(crate) fn of_chance(&self, heuristic: Heuristic, emitter_pdf: impl FnOnce() -> f32) -> f32 {
+    pub(crate) fn of_emission(&self, heuristic: Heuristic, light_pdf: impl FnOnce() -> f32) -> f32 {
         let Some(direction_pdf) = self.direction_pdf else { return 1.0 };
         match heuristic {
-            Heuristic::Directions => power_heuristic(direction_pdf, emitter_pdf()),
-            Heuristic::Paths => 1.0 / (1.0 + self.light_pdf.mean() * emitter_pdf()),
+            Heuristic::Directions => power_heuristic(direction_pdf, light_pdf()),
+            Heuristic::Paths => 1.0 / (1.0 + self.light_pdf.mean() * light_pdf()),
         }
     }
 
-    /// The weight of light from an emitter that was chosen with density `emitter_pdf`, in a direction
-    /// that the vertex would have taken with density `direction_pdf`; `unidirectional_pdf` are the densities of
-    /// passing everything in between by chance, relative to that of the connection.
+    /// The weight of `light`, which next-event estimation has chosen, in a direction that scattering
+    /// would have taken with density `scatter_pdf`. `unidirectional_pdf` is that of
+    /// [`Connection`](super::Connection).
     #[inline]
     pub(crate) fn of_connection(
         &self,
         heuristic: Heuristic,
-        emitter_pdf: f32,
-        direction_pdf: f32,
+        light: &DirectionSample,
+        scatter_pdf: f32,
         unidirectional_pdf: Spectrum,
     ) -> f32 {
         match heuristic {
-            Heuristic::Directions => power_heuristic(emitter_pdf, direction_pdf),
+            Heuristic::Directions => next_event_weight(light.pdf, light.delta, scatter_pdf),
+            Heuristic::Paths if light.delta => 1.0,
             Heuristic::Paths => {
-                1.0 / (1.0
-                    + direction_pdf / emitter_pdf
-                        * (self.unidirectional_pdf * unidirectional_pdf).mean())
+                let passed = (self.unidirectional_pdf * unidirectional_pdf).mean();
+                1.0 / (1.0 + scatter_pdf / light.pdf * passed)
             }
         }
     }
@@ -127,6 +130,8 @@ impl Weights {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use etendue_scene::emitter::Target;
+    use glam::Vec3;
 
     const STEP: Step = Step {
         value: Spectrum::from_rgb([0.5, 0.2, 0.1]),
@@ -137,21 +142,32 @@ mod tests {
     /// The weights of both ways to find the same path sum to one.
     #[test]
     fn both_ways_of_finding_a_path_share_it() {
-        let (direction_pdf, emitter_pdf) = (0.7, 2.0);
+        let (direction_pdf, light_pdf) = (0.7, 2.0);
+        let light = DirectionSample {
+            direction: Vec3::Z,
+            radiance: Spectrum::ONE,
+            pdf: light_pdf,
+            delta: false,
+            target: Target::Afar,
+        };
         for heuristic in [Heuristic::Directions, Heuristic::Paths] {
             let mut before = Weights::new();
-            assert!(before.go(&STEP) && before.go(&STEP));
+            assert!(before.advance(&STEP) && before.advance(&STEP));
             let unidirectional_pdf = Spectrum::from_rgb([0.9, 0.1, 0.3]);
             let connected = before.of_connection(
                 heuristic,
-                emitter_pdf,
+                &light,
                 direction_pdf,
                 unidirectional_pdf * (1.0 / 0.4),
             );
             let mut found = before;
             found.turn(Spectrum::ONE, direction_pdf, true);
-            assert!(found.go(&Step { value: Spectrum::ONE, unidirectional_pdf, light_pdf: 0.4 }));
-            let by_chance = found.of_chance(heuristic, || emitter_pdf);
+            assert!(found.advance(&Step {
+                value: Spectrum::ONE,
+                unidirectional_pdf,
+                light_pdf: 0.4
+            }));
+            let by_chance = found.of_emission(heuristic, || light_pdf);
             assert!((connected + by_chance - 1.0).abs() < 1e-6, "{connected} {by_chance}");
         }
     }
@@ -159,7 +175,7 @@ mod tests {
     #[test]
     fn the_throughput_is_weighed_over_the_channels() {
         let mut weights = Weights::new();
-        assert!(weights.go(&STEP) && weights.go(&STEP));
+        assert!(weights.advance(&STEP) && weights.advance(&STEP));
         // Two steps: value² over the mean of unidirectional_pdf².
         let mean = (0.36 + 0.09 + 0.09) / 3.0;
         for (found, value) in weights.throughput.rgb().into_iter().zip([0.25, 0.04, 0.01]) {
@@ -173,8 +189,8 @@ mod tests {
         let mut weights = Weights::new();
         weights.turn(Spectrum::ONE, 1.0, false);
         for heuristic in [Heuristic::Directions, Heuristic::Paths] {
-            assert_eq!(weights.of_chance(heuristic, || 5.0), 1.0);
+            assert_eq!(weights.of_emission(heuristic, || 5.0), 1.0);
         }
-        assert!(!weights.go(&Step { unidirectional_pdf: Spectrum::ZERO, ..STEP }));
+        assert!(!weights.advance(&Step { unidirectional_pdf: Spectrum::ZERO, ..STEP }));
     }
 }

@@ -1,43 +1,26 @@
 //! Paths that advance together, one vertex at a time.
 //!
 //! Each step is a loop over all paths that go on: trace the rays, look up the surfaces, propose light
-//! and choose directions, trace the shadow rays. The vertices on triangles are sorted by what kind of
-//! material they have, and those of a kind are shaded together, one to a SIMD lane ([`Batch`]); the
-//! others one by one. The results are those of one path after another.
+//! and choose directions, trace the shadow rays. Vertices on triangles are sorted by the kind of their
+//! material, and those of a kind are shaded together, one to a SIMD lane ([`Batch`]). The others are
+//! shaded one by one. The results are those of the scalar loop.
 //!
-//! One by one, too, it gains a tenth to go in steps: what one path does is a long chain in which every
-//! number waits for the one before, and in short loops the processor works on several chains at once.
+//! Even for vertices that are shaded one by one, steps are a tenth faster than whole paths. A path is a
+//! long chain in which every number waits for the one before; in short loops the processor works on
+//! several chains at once.
 
-use super::Path;
-use super::batch::{Batch, Stage, places};
-use crate::light::{NextEvent, Origin, beyond_emitters, distant, emitted};
-use crate::thin_sheet::ThinSheet;
-use crate::{CameraRay, Radiance};
+use super::batch::{Batch, places};
+use super::step::{PathState, Step};
+use crate::estimator::{ProposedLight, VertexNumbers};
+use crate::parameters::PathParameters;
+use crate::integrator::{CameraRay, Radiance};
 use etendue_math::Ray;
-use etendue_math::lanes::{MAX_LANES, Real};
-use etendue_sampling::Sampler;
-use etendue_scene::bsdf::{Bsdf, BsdfSample, LaneKind, Lobe, Transport};
+use etendue_math::lanes::MAX_LANES;
+use etendue_scene::bsdf::LaneKind;
 use etendue_scene::emitter::DirectionSample;
 use etendue_scene::shape::Geometry;
 use etendue_scene::{Hit, MaterialId, Scene, ShapeId, SurfaceInteraction};
-use etendue_spectrum::{Spectrum, SpectrumLanes};
-use glam::Vec2;
-
-/// A path on its way.
-pub(super) struct State {
-    pub(super) stream: Sampler,
-    /// The last vertex, and how it chose the direction of the ray that leaves it.
-    origin: Origin,
-    /// The share of the light at the end of that ray that arrives at the camera.
-    throughput: Spectrum,
-    /// The index of refraction here relative to the camera's: light that will leave glass again is
-    /// not lost to roulette for being compressed in it.
-    eta: f32,
-    /// The masked sheet that the path has just passed straight through.
-    sheet: Option<ThinSheet>,
-    radiance: Spectrum,
-    alpha: f32,
-}
+use etendue_spectrum::Spectrum;
 
 /// Where a path has met a surface.
 struct Vertex {
@@ -46,32 +29,25 @@ struct Vertex {
     surface: SurfaceInteraction,
 }
 
-/// The random numbers of a vertex.
-struct VertexNumbers {
-    /// For the choice of an emitter and a point of it.
-    light: Vec2,
-    /// For the direction in which the path goes on.
-    direction: Vec2,
-    /// For the choice of a lobe, and for Russian roulette.
-    choices: Vec2,
-}
-
 /// Light that is a path's if its shadow ray is free.
-pub(super) struct PendingContribution {
+struct PendingContribution {
     /// Which of the paths.
-    pub(super) path: usize,
-    pub(super) radiance: Spectrum,
+    path: usize,
+    radiance: Spectrum,
 }
 
 /// Light that was proposed, and beside it the rays that must be free.
-#[derive(Default)]
-struct Shadows {
-    pending: Vec<PendingContribution>,
+struct PendingContributions {
+    contributions: Vec<PendingContribution>,
     rays: Vec<Ray>,
 }
 
 /// Into how many groups the rays to lights are divided, at most.
 const LIGHT_GROUPS: usize = 8;
+
+/// The light proposed at a depth, in groups. From the first vertices, which lie side by side, the rays
+/// to one light are coherent, and the tree takes them in packets; later there is one group.
+struct LightGroups(Vec<PendingContributions>);
 
 /// Where a path has met a triangle whose material is shaded in lanes.
 struct Arrival {
@@ -85,9 +61,9 @@ struct Arrival {
 
 /// The paths of a batch of camera rays.
 pub(super) struct Wavefront<'a> {
-    integrator: &'a Path,
+    parameters: &'a PathParameters,
     scene: &'a Scene,
-    paths: Vec<State>,
+    paths: Vec<PathState>,
     /// Edges of all paths so far.
     depth: u32,
     /// The paths that go on, and beside them the rays that they go on with.
@@ -100,38 +76,26 @@ pub(super) struct Wavefront<'a> {
     arrivals: [Vec<Arrival>; LaneKind::COUNT],
     /// The vertices to be shaded one by one.
     vertices: Vec<Vertex>,
-    numbers: Vec<VertexNumbers>,
+    numbers: Vec<VertexNumbers<f32>>,
     /// Light that may arrive at the vertices.
     lights: Vec<Option<DirectionSample>>,
-    /// One for each group of lights. From the first vertices, which lie side by side, the rays to one
-    /// light are coherent, and the tree takes them in packets; later there is one group.
-    shadows: Vec<Shadows>,
+    pending: LightGroups,
     occluded: Vec<bool>,
-    block: Batch<'a>,
-}
-
-impl State {
-    fn new(ray: &CameraRay) -> Self {
-        Self {
-            stream: ray.sampler,
-            origin: Origin { point: ray.start.ray.origin, pdf: None },
-            throughput: Spectrum::ONE,
-            eta: 1.0,
-            sheet: None,
-            radiance: Spectrum::ZERO,
-            alpha: 0.0,
-        }
-    }
+    batch: Batch<'a>,
 }
 
 impl<'a> Wavefront<'a> {
-    pub(super) fn new(integrator: &'a Path, scene: &'a Scene, rays: &[CameraRay]) -> Self {
+    pub(super) fn new(
+        parameters: &'a PathParameters,
+        scene: &'a Scene,
+        rays: &[CameraRay],
+    ) -> Self {
         let count = rays.len();
-        let groups = scene.emitter_count().clamp(1, LIGHT_GROUPS);
+        let start = |ray: &CameraRay| PathState::new(ray.start.ray.origin, ray.sampler);
         Self {
-            integrator,
+            parameters,
             scene,
-            paths: rays.iter().map(State::new).collect(),
+            paths: rays.iter().map(start).collect(),
             depth: 0,
             active: (0..count).collect(),
             rays: rays.iter().map(|camera| camera.start.ray).collect(),
@@ -141,75 +105,73 @@ impl<'a> Wavefront<'a> {
             vertices: Vec::with_capacity(count),
             numbers: Vec::with_capacity(count),
             lights: Vec::with_capacity(count),
-            shadows: (0..groups).map(|_| Shadows::new(count)).collect(),
+            pending: LightGroups::new(scene.emitter_count(), count),
             occluded: Vec::with_capacity(count),
-            block: Batch::new(),
+            batch: Batch::new(),
         }
     }
 
     /// Follows all paths to their ends.
     pub(super) fn trace(mut self) -> impl Iterator<Item = Radiance> {
-        if self.integrator.max_depth == 0 {
+        if self.parameters.limits.max_depth == 0 {
             self.active.clear();
         }
         while !self.active.is_empty() {
             self.hits.clear();
             self.scene.closest_hits(&self.rays, &mut self.hits);
-            self.look_beyond();
-            self.arrive();
+            self.skip_hits();
+            self.sort_hits();
             self.leave();
             self.shade_in_lanes();
             self.draw();
-            self.light();
-            self.scatter();
-            self.gather();
+            self.choose_lights();
+            self.shade_one_by_one();
+            self.add_pending();
             self.depth += 1;
         }
-        self.paths.into_iter().map(|path| Radiance { color: path.radiance, alpha: path.alpha })
+        self.paths.into_iter().map(|path| path.result())
     }
 
-    /// Replaces hits that do not count: hidden emitters, and the rest of masked sheets.
-    fn look_beyond(&mut self) {
+    /// What all paths have in common at this depth.
+    fn step(&self) -> Step<'a> {
+        Step { parameters: self.parameters, scene: self.scene, depth: self.depth }
+    }
+
+    /// Replaces hits that do not count.
+    fn skip_hits(&mut self) {
+        let step = self.step();
         for ((&index, ray), hit) in self.active.iter().zip(&mut self.rays).zip(&mut self.hits) {
-            let path = &mut self.paths[index];
-            if let Some(sheet) = path.sheet.take() {
-                *hit = hit.and_then(|hit| beyond_sheet(self.scene, sheet, ray, hit));
-            } else if self.integrator.hide_emitters && self.depth == 0 {
-                *hit = hit.and_then(|hit| beyond_emitters(self.scene, ray, hit));
-            }
+            step.skip_hits(&mut self.paths[index], ray, hit);
         }
     }
 
-    /// Looks up what the rays have met, and takes the light found there.
-    fn arrive(&mut self) {
-        let Self { integrator, scene, depth, .. } = *self;
+    /// Decides how each vertex is shaded: in lanes, or on its own. Paths that end here get their light.
+    fn sort_hits(&mut self) {
+        let step = self.step();
         self.vertices.clear();
         self.arrivals.iter_mut().for_each(Vec::clear);
-        let is_last = depth + 1 >= integrator.max_depth;
         for (ray_index, (&index, hit)) in self.active.iter().zip(&self.hits).enumerate() {
             let (path, ray) = (&mut self.paths[index], &self.rays[ray_index]);
             let Some(hit) = hit else {
-                integrator.escape(scene, (path, depth), ray);
+                step.escape(path, ray);
                 continue;
             };
-            if !is_last && let Some((kind, material)) = scene.lane_kind(hit) {
+            if !step.is_last()
+                && let Some((kind, material)) = step.scene.lane_kind(hit)
+            {
                 let arrivals = &mut self.arrivals[kind.index()];
                 if arrivals.is_empty() {
                     arrivals.reserve(self.hits.len());
                 }
                 arrivals.push(Arrival { path: index, ray: ray_index, hit: *hit, material });
-                if depth == 0 {
-                    path.alpha = 1.0;
-                }
                 continue;
             }
-            let surface = scene.interaction(ray, hit);
-            path.radiance +=
-                path.throughput * emitted(scene, &surface, ray.direction, &path.origin);
-            if !is_last && integrator.scatters(&surface, ray) {
+            let surface = step.scene.interaction(ray, hit);
+            step.add_emission(path, &surface, ray);
+            if step.scatters(&surface, ray) {
                 self.vertices.push(Vertex { path: index, surface });
-            } else if depth == 0 {
-                path.alpha = 1.0;
+            } else {
+                path.alpha.cover();
             }
         }
     }
@@ -226,238 +188,143 @@ impl<'a> Wavefront<'a> {
         let arrivals = std::mem::take(&mut self.arrivals);
         for (kind, arrivals) in LaneKind::ALL.into_iter().zip(&arrivals) {
             for chunk in arrivals.chunks(MAX_LANES) {
-                self.shade_block(kind, chunk);
+                self.shade_batch(kind, chunk);
             }
         }
         self.arrivals = arrivals;
     }
 
-    fn shade_block(&mut self, kind: LaneKind, arrivals: &[Arrival]) {
-        let Self { integrator, scene, depth, .. } = *self;
-        let block = &mut self.block;
-        block.start(kind, arrivals.len());
+    fn shade_batch(&mut self, kind: LaneKind, arrivals: &[Arrival]) {
+        let step = self.step();
+        self.load_batch(kind, arrivals);
+        let batch = &mut self.batch;
+        for (place, arrival) in arrivals.iter().enumerate() {
+            batch.set_material(step.scene, place, arrival.material, &arrival.hit);
+        }
+        batch.draw(step.scene.level(), &mut self.paths);
+        batch.propose_light(step);
+        batch.scatter(step);
+        for place in batch.lit_places() {
+            let path = batch.paths[place];
+            self.pending.keep(path, batch.light_choice(place), batch.proposed_light(place));
+        }
+        for place in batch.covered_places() {
+            self.paths[batch.paths[place]].alpha.cover();
+        }
+        for place in batch.next_places() {
+            let index = batch.paths[place];
+            let shape = ShapeId(arrivals[place].hit.geometry);
+            self.active.push(index);
+            self.rays.push(self.paths[index].advance(batch.next_vertex(place, shape)));
+        }
+    }
+
+    /// Brings vertices into the batch, and adds the light that their surfaces emit.
+    fn load_batch(&mut self, kind: LaneKind, arrivals: &[Arrival]) {
+        let step = self.step();
+        let batch = &mut self.batch;
+        batch.start(kind, arrivals.len());
         let mut emitting = 0;
         for (place, arrival) in arrivals.iter().enumerate() {
-            let shape = scene.shape(ShapeId(arrival.hit.geometry));
+            let shape = step.scene.shape(ShapeId(arrival.hit.geometry));
             let Geometry::Mesh(mesh) = &shape.geometry else {
                 unreachable!("only triangles are shaded in lanes");
             };
             emitting |= u32::from(shape.emitter.is_some()) << place;
             let direction = self.arriving[arrival.ray].direction;
-            block.triangles.set(place, mesh, &arrival.hit, direction);
-            let path = &self.paths[arrival.path];
-            block.set_path(place, arrival.path, (path.throughput, path.eta));
+            batch.triangles.set(place, mesh, &arrival.hit, direction);
+            batch.set_path(place, arrival.path, &self.paths[arrival.path]);
         }
-        block.arrive(scene);
+        batch.find_surfaces(step.scene.level());
         for place in places(emitting) {
             let Arrival { path, ray, hit, .. } = &arrivals[place];
-            let (path, direction) = (&mut self.paths[*path], self.arriving[*ray].direction);
-            let surface = block.surfaces.interaction(place, hit);
-            path.radiance += path.throughput * emitted(scene, &surface, direction, &path.origin);
-        }
-        for (place, arrival) in arrivals.iter().enumerate() {
-            block.set_material(scene, place, (arrival.material, &arrival.hit));
-        }
-        block.draw(scene.level(), &mut self.paths);
-        block.shade(Stage { integrator, scene, depth });
-        let shadows = grouped(&mut self.shadows, depth);
-        for (contribution, choice, ray) in block.pending_contributions() {
-            keep_pending(shadows, (contribution, choice), ray);
-        }
-        for next in block.continuations() {
-            let path = &mut self.paths[next.path];
-            (path.origin, path.throughput, path.eta) = (next.origin, next.throughput, next.eta);
-            if next.straight {
-                let shape = ShapeId(arrivals[next.place].hit.geometry);
-                path.pass(ThinSheet::new(shape, next.origin.point), depth);
-            } else {
-                path.alpha = 1.0;
-            }
-            self.active.push(next.path);
-            self.rays.push(next.ray);
+            let surface = batch.surfaces.interaction(place, hit);
+            step.add_emission(&mut self.paths[*path], &surface, &self.arriving[*ray]);
         }
     }
 
-    /// Draws the random numbers of the vertices. Every vertex has the same six, used or not: what a
-    /// path draws at a depth does not depend on what it met before.
+    /// Draws the random numbers of the vertices that are shaded one by one.
     fn draw(&mut self) {
         self.numbers.clear();
         for vertex in &self.vertices {
-            let stream = &mut self.paths[vertex.path].stream;
-            self.numbers.push(VertexNumbers {
-                light: stream.next_2d(),
-                direction: stream.next_2d(),
-                choices: stream.next_independent_2d(),
-            });
+            self.numbers.push(VertexNumbers::draw(&mut self.paths[vertex.path].sampler));
         }
     }
 
     /// Chooses light for the vertices whose materials may reflect any.
-    fn light(&mut self) {
-        let Self { integrator, scene, .. } = *self;
+    fn choose_lights(&mut self) {
+        let Self { parameters, scene, .. } = *self;
         self.lights.clear();
         for (Vertex { surface, .. }, numbers) in self.vertices.iter().zip(&self.numbers) {
-            let wanted = integrator.emitter_sampling && scene.may_reflect_emitters(surface);
-            self.lights
-                .push(wanted.then(|| scene.sample_light(surface.point, numbers.light)).flatten());
+            let wanted = parameters.emitter_sampling && scene.may_reflect_emitters(surface);
+            let sample = || scene.sample_light(surface.point, numbers.light.into());
+            self.lights.push(wanted.then(sample).flatten());
         }
     }
 
     /// Resolves the materials: what they reflect of the light chosen, and where the paths go on.
-    fn scatter(&mut self) {
-        let Self { integrator, scene, depth, .. } = *self;
-        let next_event =
-            NextEvent { strict_normals: integrator.strict_normals, scatter_ratio: 1.0 };
-        let shadows = grouped(&mut self.shadows, depth);
+    fn shade_one_by_one(&mut self) {
+        let step = self.step();
         for ((vertex, numbers), light) in self.vertices.iter().zip(&self.numbers).zip(&self.lights)
         {
             let Vertex { path: index, surface } = vertex;
             let path = &mut self.paths[*index];
-            let bsdf = scene.prepare_bsdf(surface);
+            let bsdf = step.scene.prepare_bsdf(surface);
             if let Some(light) = light
                 && bsdf.has_smooth_lobe()
-                && let Some(light) = next_event.reflect(surface, &bsdf, light)
+                && let Some(mut light) = step.next_event().reflect_at_hit(surface, &bsdf, light)
             {
-                let radiance = path.throughput * light.radiance;
-                let contribution = PendingContribution { path: *index, radiance };
-                keep_pending(shadows, (contribution, numbers.light.x), light.shadow_ray);
+                light.radiance = path.throughput * light.radiance;
+                self.pending.keep(*index, numbers.light.x, light);
             }
-            if let Some(ray) = integrator.scatter((path, depth), surface, &bsdf, numbers)
-                && (depth + 1 < integrator.rr_depth || path.survives(numbers.choices.y))
-            {
+            let continuation = step.sample_direction(path, surface, &bsdf, numbers);
+            if !continuation.straight {
+                path.alpha.cover();
+            }
+            if continuation.exists {
                 self.active.push(*index);
-                self.rays.push(ray);
+                self.rays.push(path.advance(step.next_vertex(surface, &continuation)));
             }
         }
     }
 
-    /// Keeps the pending of light that nothing stands between.
-    fn gather(&mut self) {
-        for Shadows { pending, rays } in grouped(&mut self.shadows, self.depth) {
+    /// Adds the pending light that nothing stands between.
+    fn add_pending(&mut self) {
+        for group in &mut self.pending.0 {
             self.occluded.clear();
-            self.scene.occluded_many(rays, &mut self.occluded);
-            for (contribution, &occluded) in pending.iter().zip(&self.occluded) {
+            self.scene.occluded_many(&group.rays, &mut self.occluded);
+            for (light, &occluded) in group.contributions.iter().zip(&self.occluded) {
                 if !occluded {
-                    self.paths[contribution.path].radiance += contribution.radiance;
+                    self.paths[light.path].radiance += light.radiance;
                 }
             }
-            pending.clear();
-            rays.clear();
+            group.contributions.clear();
+            group.rays.clear();
         }
+        self.pending.0.truncate(1);
     }
 }
 
-impl Shadows {
+impl LightGroups {
+    fn new(emitter_count: usize, path_count: usize) -> Self {
+        let groups = emitter_count.clamp(1, LIGHT_GROUPS);
+        Self((0..groups).map(|_| PendingContributions::new(path_count)).collect())
+    }
+
+    /// Keeps the light of a path in the group of the emitter that the random number `choice` has
+    /// chosen.
+    #[inline(always)]
+    fn keep(&mut self, path: usize, choice: f32, light: ProposedLight) {
+        let count = self.0.len();
+        let group = ((choice * count as f32) as usize).min(count - 1);
+        let PendingContributions { contributions, rays } = &mut self.0[group];
+        contributions.push(PendingContribution { path, radiance: light.radiance });
+        rays.push(light.shadow_ray);
+    }
+}
+
+impl PendingContributions {
     fn new(count: usize) -> Self {
-        Self { pending: Vec::with_capacity(count), rays: Vec::with_capacity(count) }
-    }
-}
-
-/// The groups that rays to lights are divided into at a depth.
-fn grouped(shadows: &mut [Shadows], depth: u32) -> &mut [Shadows] {
-    let groups = if depth == 0 { shadows.len() } else { 1 };
-    &mut shadows[..groups]
-}
-
-/// Keeps a contribution of light in the group of the emitter that the random number has chosen.
-#[inline(always)]
-fn keep_pending(
-    shadows: &mut [Shadows],
-    (contribution, choice): (PendingContribution, f32),
-    ray: Ray,
-) {
-    let last = shadows.len() - 1;
-    let group = ((choice * shadows.len() as f32) as usize).min(last);
-    let Shadows { pending, rays } = &mut shadows[group];
-    pending.push(contribution);
-    rays.push(ray);
-}
-
-impl Path {
-    /// The ray has left the scene.
-    fn escape(&self, scene: &Scene, (path, depth): (&mut State, u32), ray: &Ray) {
-        if self.hide_emitters && depth == 0 {
-            return;
-        }
-        path.radiance += path.throughput * distant(scene, ray.direction, &path.origin);
-        if !self.hide_emitters && !scene.environments().is_empty() {
-            path.alpha = 1.0;
-        }
-    }
-
-    /// Whether light from the direction that the ray came from counts.
-    #[inline(always)]
-    fn scatters(&self, surface: &SurfaceInteraction, ray: &Ray) -> bool {
-        !self.strict_normals || surface.normal.dot(ray.direction) * surface.wi.z < 0.0
-    }
-
-    /// Takes the next direction; `None` where there is none.
-    #[inline(always)]
-    fn scatter(
-        &self,
-        (path, depth): (&mut State, u32),
-        surface: &SurfaceInteraction,
-        bsdf: &Bsdf<'_>,
-        numbers: &VertexNumbers,
-    ) -> Option<Ray> {
-        if depth == 0 {
-            path.alpha = 1.0;
-        }
-        let sample =
-            bsdf.sample(surface.wi, numbers.choices.x, numbers.direction, Transport::Radiance);
-        let BsdfSample { wo, weight, pdf, eta, lobe } = sample?;
-        let direction = surface.to_world(wo);
-        if self.strict_normals && lobe != Lobe::Null && direction.dot(surface.normal) * wo.z <= 0.0
-        {
-            return None;
-        }
-        match lobe {
-            Lobe::Null => path.pass(ThinSheet::new(surface.shape, surface.point), depth),
-            _ => path.alpha = 1.0,
-        }
-        path.throughput *= weight;
-        path.eta *= eta;
-        let competing = self.emitter_sampling && lobe.is_smooth();
-        path.origin = Origin { point: surface.point, pdf: competing.then_some(pdf) };
-        (!path.throughput.is_black()).then(|| surface.spawn_ray(direction))
-    }
-}
-
-impl State {
-    /// Goes straight through a sheet, which the camera then does not see.
-    fn pass(&mut self, sheet: ThinSheet, depth: u32) {
-        self.sheet = Some(sheet);
-        if depth == 0 {
-            self.alpha = 0.0;
-        }
-    }
-
-    /// Russian roulette; see [`roulette`].
-    #[inline(always)]
-    fn survives(&mut self, random: f32) -> bool {
-        let (survives, gain) = roulette::<f32>(self.throughput.into(), self.eta, random);
-        self.throughput *= gain;
-        survives
-    }
-}
-
-/// Russian roulette: paths that carry little end early, and the survivors stand for them by what they
-/// gain.
-#[inline(always)]
-pub(super) fn roulette<R: Real>(throughput: SpectrumLanes<R>, eta: R, random: R) -> (R::Mask, R) {
-    let probability = (throughput.max_component() * eta * eta).min(eta.like(0.95));
-    (random.lt(probability), probability.reciprocal())
-}
-
-/// Goes on through the rest of a sheet.
-#[cold]
-fn beyond_sheet(scene: &Scene, mut sheet: ThinSheet, ray: &mut Ray, mut hit: Hit) -> Option<Hit> {
-    loop {
-        let surface = scene.interaction(ray, &hit);
-        if !sheet.holds(&surface) {
-            return Some(hit);
-        }
-        *ray = surface.spawn_ray(ray.direction);
-        hit = scene.closest_hit(ray)?;
+        Self { contributions: Vec::with_capacity(count), rays: Vec::with_capacity(count) }
     }
 }

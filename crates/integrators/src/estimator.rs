@@ -1,0 +1,38 @@
+//! The rules of light transport, each stated once.
+//!
+//! What is shaded in SIMD lanes is generic over [`Real`](etendue_math::lanes::Real): with `f32` a rule
+//! speaks of one path, with [`Lanes`](etendue_math::lanes::Lanes) of one path in each lane. Both give
+//! the same bits.
+//!
+//! | rule | where |
+//! |---|---|
+//! | multiple importance sampling | [`power_heuristic`], [`next_event_weight`] |
+//! | light that a path finds by chance | [`Emission`], [`emitted`], [`distant`] |
+//! | next-event estimation | [`NextEvent`] |
+//! | how a path goes on, strict normals | [`Continuation`], [`StrictNormals`] |
+//! | Russian roulette | [`Roulette`] |
+//! | hidden emitters | [`is_hidden`], [`first_hit`] |
+//! | null transmission through thin sheets | [`ThinSheet`] |
+//! | alpha | [`Alpha`] |
+
+mod alpha;
+mod continuation;
+mod emission;
+mod mis;
+mod next_event;
+mod numbers;
+mod roulette;
+mod shading;
+mod thin_sheet;
+mod visibility;
+
+pub(crate) use alpha::Alpha;
+pub(crate) use continuation::{Continuation, PathWeight};
+pub(crate) use emission::{Emission, PathVertex, distant, emitted};
+pub(crate) use mis::{next_event_weight, power_heuristic};
+pub(crate) use next_event::{NextEvent, ProposedLight};
+pub(crate) use numbers::{ScatterNumbers, VertexNumbers};
+pub(crate) use roulette::Roulette;
+pub(crate) use shading::{LaneScattering, Scattering, ShadingPoint, StrictNormals};
+pub(crate) use thin_sheet::ThinSheet;
+pub(crate) use visibility::{first_hit, first_surface, is_hidden, skip_hits};

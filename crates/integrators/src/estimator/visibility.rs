@@ -1,0 +1,67 @@
+//! What a ray meets first, without the surfaces that do not count.
+
+use super::alpha::Alpha;
+use super::emission::{PathVertex, distant};
+use crate::integrator::Radiance;
+use etendue_math::Ray;
+use etendue_scene::{Hit, Scene, SurfaceInteraction};
+
+/// Whether `hide_emitters` hides a surface from the camera.
+#[inline]
+pub(crate) fn is_hidden(scene: &Scene, surface: &SurfaceInteraction) -> bool {
+    scene.emitter_of(surface).is_some()
+}
+
+/// What a camera ray hits first, emitters left out if they are to be hidden: distances then count from
+/// the last of them.
+#[inline]
+pub(crate) fn first_hit(
+    scene: &Scene,
+    ray: &Ray,
+    hide_emitters: bool,
+) -> Option<SurfaceInteraction> {
+    let mut ray = *ray;
+    let mut hit = scene.closest_hit(&ray);
+    if hide_emitters {
+        skip_hits(scene, &mut ray, &mut hit, &mut |surface| is_hidden(scene, surface));
+    }
+    hit.map(|hit| scene.interaction(&ray, &hit))
+}
+
+/// What a camera ray hits first, emitters left out if they are to be hidden, or else what it sees of
+/// the background.
+#[inline]
+pub(crate) fn first_surface(
+    scene: &Scene,
+    ray: &Ray,
+    hide_emitters: bool,
+) -> Result<SurfaceInteraction, Radiance> {
+    first_hit(scene, ray, hide_emitters).ok_or_else(|| {
+        let mut background = Radiance::NONE;
+        if !hide_emitters {
+            background.color = distant(scene, ray.direction, &PathVertex::camera(ray.origin));
+        }
+        let mut alpha = Alpha::default();
+        alpha.escape(scene, hide_emitters);
+        Radiance { alpha: alpha.value(), ..background }
+    })
+}
+
+/// Moves on through surfaces that do not count, to the next hit that does. The ray then starts at the
+/// last of them, and ends where it did.
+#[cold]
+pub(crate) fn skip_hits(
+    scene: &Scene,
+    ray: &mut Ray,
+    hit: &mut Option<Hit>,
+    skips: &mut dyn FnMut(&SurfaceInteraction) -> bool,
+) {
+    while let Some(found) = hit {
+        let surface = scene.interaction(ray, found);
+        if !skips(&surface) {
+            return;
+        }
+        *ray = Ray { t_max: ray.t_max - surface.t, ..surface.spawn_ray(ray.direction) };
+        *hit = scene.closest_hit(ray);
+    }
+}

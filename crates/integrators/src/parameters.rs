@@ -1,0 +1,94 @@
+//! The parameters that several integrators read.
+
+use crate::estimator::StrictNormals;
+use crate::options::IntegratorOptions;
+use etendue_document::{Fault, Parameters};
+use etendue_scene::ParameterManual;
+
+/// The first parameter of [`DepthLimits`].
+pub(crate) const MAX_DEPTH: ParameterManual = ParameterManual {
+    name: "max_depth",
+    kind: "integer",
+    default: "-1",
+    meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit.",
+};
+
+/// The second parameter of [`DepthLimits`].
+pub(crate) const RR_DEPTH: ParameterManual = ParameterManual {
+    name: "rr_depth",
+    kind: "integer",
+    default: "5",
+    meaning: "From this depth on, paths end by Russian roulette.",
+};
+
+/// The parameter of every integrator that can pass through emitters.
+pub(crate) const HIDE_EMITTERS: ParameterManual = ParameterManual {
+    name: "hide_emitters",
+    kind: "boolean",
+    default: "false",
+    meaning: "The camera does not see emitters.",
+};
+
+/// The parameter of [`StrictNormals`].
+pub(crate) const STRICT_NORMALS: ParameterManual = ParameterManual {
+    name: "strict_normals",
+    kind: "boolean",
+    default: "false",
+    meaning: "Light must be on the same side of the geometric as of the shading normal.",
+};
+
+/// How long paths may get, in edges.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DepthLimits {
+    /// The length of the longest path.
+    pub(crate) max_depth: u32,
+    /// The length from which on paths end by Russian roulette.
+    pub(crate) rr_depth: u32,
+}
+
+impl DepthLimits {
+    /// Reads both limits.
+    pub(crate) fn read(parameters: &Parameters<'_>) -> Self {
+        let max_depth = parameters.integer("max_depth", -1);
+        if max_depth < -1 {
+            let message = "expected −1 (no limit), or a length of 0 or more";
+            parameters.error(Fault::BadValue, "max_depth", message);
+        }
+        let rr_depth = parameters.integer_in("rr_depth", 5, 1..=i64::from(u32::MAX)) as u32;
+        Self { max_depth: u32::try_from(max_depth).unwrap_or(u32::MAX), rr_depth }
+    }
+}
+
+/// What the path tracers have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PathParameters {
+    pub(crate) limits: DepthLimits,
+    /// Whether the camera passes through emitters.
+    pub(crate) hide_emitters: bool,
+    pub(crate) strict_normals: StrictNormals,
+    /// Whether emitters are sampled; without, light is found by chance alone.
+    pub(crate) emitter_sampling: bool,
+}
+
+impl PathParameters {
+    /// Reads all but `strict_normals`, which not every path tracer has.
+    pub(crate) fn read(parameters: &Parameters<'_>, options: &IntegratorOptions) -> Self {
+        Self {
+            limits: DepthLimits::read(parameters),
+            hide_emitters: parameters.boolean("hide_emitters", false),
+            strict_normals: StrictNormals(false),
+            emitter_sampling: options.emitter_sampling,
+        }
+    }
+
+    /// Whether emitters are hidden from a path of `depth` edges.
+    #[inline(always)]
+    pub(crate) fn hides_emitters(&self, depth: u32) -> bool {
+        self.hide_emitters && depth == 0
+    }
+}
+
+/// Reads `strict_normals`.
+pub(crate) fn read_strict_normals(parameters: &Parameters<'_>) -> StrictNormals {
+    StrictNormals(parameters.boolean("strict_normals", false))
+}

@@ -1,0 +1,205 @@
+//! A path on its way, and the steps that it takes: what the scalar loop and the wavefront share.
+
+use crate::integrator::Radiance;
+use crate::estimator::{
+    Alpha, Continuation, NextEvent, PathVertex, PathWeight, ProposedLight, ShadingPoint, ThinSheet,
+    VertexNumbers, distant, emitted, is_hidden, skip_hits,
+};
+use crate::parameters::PathParameters;
+use etendue_math::Ray;
+use etendue_math::lanes::Vector2;
+use etendue_sampling::Sampler;
+use etendue_scene::bsdf::Bsdf;
+use etendue_scene::{Hit, Scene, ShapeId, SurfaceInteraction};
+use etendue_spectrum::Spectrum;
+use glam::Vec3;
+
+/// A path on its way. The ray that it goes on with is kept apart.
+pub(super) struct PathState {
+    pub(super) sampler: Sampler,
+    /// The last vertex.
+    pub(super) vertex: PathVertex,
+    /// See [`PathWeight`].
+    pub(super) throughput: Spectrum,
+    /// See [`PathWeight`].
+    pub(super) eta: f32,
+    pub(super) sheet: ThinSheet,
+    pub(super) radiance: Spectrum,
+    pub(super) alpha: Alpha,
+}
+
+/// Where and how a path goes on.
+#[derive(Clone, Copy)]
+pub(super) struct NextVertex {
+    pub(super) ray: Ray,
+    /// The vertex that it leaves.
+    pub(super) vertex: PathVertex,
+    /// The shape that the vertex lies on.
+    pub(super) shape: ShapeId,
+    pub(super) throughput: Spectrum,
+    pub(super) eta: f32,
+    /// Whether it passes straight through the surface, as if that were not there.
+    pub(super) straight: bool,
+}
+
+impl PathState {
+    /// A path that starts at the camera.
+    pub(super) fn new(origin: Vec3, sampler: Sampler) -> Self {
+        Self {
+            sampler,
+            vertex: PathVertex::camera(origin),
+            throughput: Spectrum::ONE,
+            eta: 1.0,
+            sheet: ThinSheet::default(),
+            radiance: Spectrum::ZERO,
+            alpha: Alpha::default(),
+        }
+    }
+
+    /// Goes on; returns the ray.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, next: NextVertex) -> Ray {
+        if next.straight {
+            self.sheet.enter(next.shape, next.vertex.point);
+        }
+        (self.vertex, self.throughput, self.eta) = (next.vertex, next.throughput, next.eta);
+        next.ray
+    }
+
+    /// What the path has found.
+    pub(super) fn result(&self) -> Radiance {
+        Radiance { color: self.radiance, alpha: self.alpha.value() }
+    }
+}
+
+/// A step of any number of paths, from one vertex to the next: what they have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub(super) parameters: &'a PathParameters,
+    pub(super) scene: &'a Scene,
+    /// Edges of the paths so far.
+    pub(super) depth: u32,
+}
+
+impl<'a> Step<'a> {
+    /// The next surface that a path meets.
+    pub(super) fn next_surface(
+        &self,
+        path: &mut PathState,
+        ray: &mut Ray,
+    ) -> Option<SurfaceInteraction> {
+        let mut hit = self.scene.closest_hit(ray);
+        self.skip_hits(path, ray, &mut hit);
+        hit.map(|hit| self.scene.interaction(ray, &hit))
+    }
+
+    /// Replaces a hit that does not count: of a hidden emitter, or of the rest of a thin sheet.
+    #[inline(always)]
+    pub(super) fn skip_hits(&self, path: &mut PathState, ray: &mut Ray, hit: &mut Option<Hit>) {
+        if path.sheet.is_entered() {
+            let mut sheet = std::mem::take(&mut path.sheet);
+            skip_hits(self.scene, ray, hit, &mut |surface| sheet.holds(surface));
+        } else if self.parameters.hides_emitters(self.depth) {
+            skip_hits(self.scene, ray, hit, &mut |surface| is_hidden(self.scene, surface));
+        }
+    }
+
+    /// The ray of a path has left the scene.
+    pub(super) fn escape(&self, path: &mut PathState, ray: &Ray) {
+        if self.parameters.hides_emitters(self.depth) {
+            return;
+        }
+        path.radiance += path.throughput * distant(self.scene, ray.direction, &path.vertex);
+        path.alpha.escape(self.scene, self.parameters.hide_emitters);
+    }
+
+    /// Adds light that a surface itself emits.
+    #[inline(always)]
+    pub(super) fn add_emission(
+        &self,
+        path: &mut PathState,
+        surface: &SurfaceInteraction,
+        ray: &Ray,
+    ) {
+        path.radiance +=
+            path.throughput * emitted(self.scene, surface, ray.direction, &path.vertex);
+    }
+
+    /// Whether paths end with the surfaces that they meet now.
+    #[inline(always)]
+    pub(super) fn is_last(&self) -> bool {
+        self.depth + 1 >= self.parameters.limits.max_depth
+    }
+
+    /// Whether a path that has met a surface is scattered there.
+    #[inline(always)]
+    pub(super) fn scatters(&self, surface: &SurfaceInteraction, ray: &Ray) -> bool {
+        let strict_normals = self.parameters.strict_normals;
+        let point = ShadingPoint::from(surface);
+        !self.is_last() && strict_normals.cut_arrivals(true, &point, ray.direction.into())
+    }
+
+    /// How light straight from emitters is found.
+    #[inline(always)]
+    pub(super) fn next_event(&self) -> NextEvent {
+        NextEvent { strict_normals: self.parameters.strict_normals, scatter_ratio: 1.0 }
+    }
+
+    /// Light from an emitter chosen by chance.
+    #[inline(always)]
+    pub(super) fn propose_light(
+        &self,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'_>,
+        random: Vector2<f32>,
+    ) -> Option<ProposedLight> {
+        if !self.parameters.emitter_sampling {
+            return None;
+        }
+        self.next_event().propose(self.scene, surface, bsdf, random.into())
+    }
+
+    /// Whether paths end by Russian roulette.
+    #[inline(always)]
+    pub(super) fn plays_roulette(&self) -> bool {
+        self.depth + 1 >= self.parameters.limits.rr_depth
+    }
+
+    /// Chooses the direction in which a path goes on.
+    #[inline(always)]
+    pub(super) fn sample_direction(
+        &self,
+        path: &PathState,
+        surface: &SurfaceInteraction,
+        bsdf: &Bsdf<'_>,
+        numbers: &VertexNumbers<f32>,
+    ) -> Continuation<f32> {
+        let weight = PathWeight { throughput: path.throughput.into(), eta: path.eta };
+        let strict_normals = self.parameters.strict_normals;
+        let mut continuation =
+            Continuation::at_hit(surface, bsdf, weight, &numbers.scatter, strict_normals);
+        if self.plays_roulette() {
+            continuation.play_roulette(numbers.roulette);
+        }
+        continuation
+    }
+
+    /// Leaves a surface.
+    #[inline(always)]
+    pub(super) fn next_vertex(
+        &self,
+        surface: &SurfaceInteraction,
+        continuation: &Continuation<f32>,
+    ) -> NextVertex {
+        let competes = self.parameters.emitter_sampling && continuation.smooth;
+        let pdf = competes.then_some(continuation.pdf);
+        NextVertex {
+            ray: surface.spawn_ray(continuation.direction.into()),
+            vertex: PathVertex { point: surface.point, pdf },
+            shape: surface.shape,
+            throughput: continuation.weight.throughput.into(),
+            eta: continuation.weight.eta,
+            straight: continuation.straight,
+        }
+    }
+}
