@@ -1,0 +1,261 @@
+//! The scalar loop of `path` against its wavefront, to the bit: on every plugin's sample, on the
+//! gallery, and on the seed scenes where they are there.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "tests read the scenes of the repository, which the core never does"
+)]
+
+use etendue_document::{Class, Diagnostics, Document, MemoryResources, ResourceError, Resources};
+use etendue_integrators::{
+    CameraRay, Integrator, IntegratorOptions, Radiance, Start, build_integrator,
+};
+use etendue_mitsuba::{LoadOptions, load, load_str};
+use etendue_scene::sensor::SensorRay;
+use etendue_scene::{BuildOptions, Scene, build_scene, registry};
+use glam::{UVec2, Vec2};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Files on disk.
+struct Files;
+
+impl Resources for Files {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ResourceError> {
+        fs::read(path).map_err(|error| ResourceError::Other(error.to_string()))
+    }
+
+    fn exists(&self, path: &Path) -> bool {
+        path.is_file()
+    }
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+struct Setup {
+    scene: Scene,
+    integrator: Box<dyn Integrator>,
+}
+
+/// The scene of a document, rendered by `path` with the parameters of the document's integrator.
+fn setup(
+    document: Option<Document>,
+    resources: &dyn Resources,
+    options: &IntegratorOptions,
+    diagnostics: &Diagnostics,
+) -> Setup {
+    document
+        .and_then(|document| {
+            let build = BuildOptions::default();
+            let scene = build_scene(&document, resources, diagnostics, &build)?;
+            let integrator = build_integrator(&document, options, diagnostics)?;
+            Some(Setup { scene, integrator })
+        })
+        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
+}
+
+fn path() -> IntegratorOptions {
+    IntegratorOptions { name: Some("path".to_owned()), ..IntegratorOptions::default() }
+}
+
+impl Setup {
+    /// Camera rays over the whole film, `columns` × `columns` pixels with two samples each.
+    fn rays(&self, columns: u32) -> Vec<CameraRay> {
+        let setup = &self.scene.sensors()[0];
+        let pixels = (0..columns).flat_map(|y| (0..columns).map(move |x| UVec2::new(x, y)));
+        pixels
+            .flat_map(|pixel| (0..2).map(move |index| (pixel, index)))
+            .map(|(pixel, index)| {
+                let mut stream = setup.sampler.start(pixel, index);
+                let film_position = (pixel.as_vec2() + stream.next_2d()) / columns as f32;
+                let aperture: Vec2 = stream.next_2d();
+                let SensorRay { ray, .. } = setup.sensor.sample_ray(film_position, aperture);
+                CameraRay { start: Start { ray, medium: setup.medium }, stream }
+            })
+            .collect()
+    }
+
+    /// Renders by both ways; returns the share of rays that found light.
+    fn assert_same(&self, what: &str, columns: u32) -> f32 {
+        let mut wavefront = Vec::new();
+        let mut rays = self.rays(columns);
+        self.integrator.sample_batch(&self.scene, &mut rays, &mut [], &mut wavefront);
+        let scalar: Vec<Radiance> = self
+            .rays(columns)
+            .iter_mut()
+            .map(|CameraRay { start, stream }| {
+                self.integrator.sample(&self.scene, start, stream, &mut [])
+            })
+            .collect();
+        assert_eq!(wavefront.len(), scalar.len(), "{what}");
+        for (index, (wavefront, scalar)) in wavefront.iter().zip(&scalar).enumerate() {
+            assert_eq!(wavefront, scalar, "{what}, ray {index}");
+        }
+        let lit = scalar.iter().filter(|radiance| !radiance.color.is_black()).count();
+        lit as f32 / scalar.len() as f32
+    }
+}
+
+/// What the samples of the manual read.
+fn sample_files() -> MemoryResources {
+    let file = |path: &str| fs::read(repository().join(path)).expect(path);
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+               property float z\nproperty float r\nproperty float g\nproperty float b\n\
+               element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+               0 0 0 1 0 0\n1 0 0 0 1 0\n0 1 0 0 0 1\n3 0 1 2\n";
+    MemoryResources::default()
+        .with("sample.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        .with("sample.ply", ply)
+        .with("curves.txt", "0 0 0 1\n1 0 0 1\n2 0 0 1\n3 0 0 1\n")
+        .with("ellipsoids.ply", file("crates/scene/tests/data/ellipsoids.ply"))
+        .with("sample.bsdf", file("crates/scene/src/bsdf/measured/isotropic.bsdf"))
+        .with("sample.serialized", file("crates/scene/tests/data/triangle.serialized"))
+        .with("distance.vol", file("crates/scene/tests/data/distance.vol"))
+        .with("smoke.vol", file("scenes/smoke/smoke.vol"))
+        .with("wood.png", file("scenes/textures/wood.png"))
+}
+
+/// Parameters of `path` that take different ways through it.
+const PARAMETERS: &[&str] = &[
+    r#"<integer name="max_depth" value="8"/>"#,
+    r#"<integer name="max_depth" value="6"/><integer name="rr_depth" value="1"/>"#,
+    r#"<integer name="max_depth" value="5"/><boolean name="strict_normals" value="true"/>
+       <boolean name="hide_emitters" value="true"/>"#,
+    r#"<integer name="max_depth" value="1"/>"#,
+];
+
+const CAMERA: &str = r#"<sensor type="perspective"><transform name="to_world">
+    <lookat origin="1.5, 2, 3.6" target="0, 0.2, 0" up="0, 1, 0"/></transform></sensor>"#;
+
+/// A glowing sphere.
+const LAMP: &str = r#"<shape type="sphere"><point name="center" x="-2" y="2" z="-1"/>
+    <emitter type="area"><rgb name="radiance" value="5, 6, 7"/></emitter></shape>"#;
+
+/// A closed room around everything.
+const ROOM: &str = r#"<shape type="cube"><boolean name="flip_normals" value="true"/>
+    <transform name="to_world"><scale value="4"/></transform>
+    <bsdf type="twosided"><bsdf type="roughplastic"/></bsdf></shape>"#;
+
+/// Shapes with a material: smooth and flat triangles, which are shaded in lanes, a sphere, and a thin
+/// box.
+fn shapes_of(bsdf: &str) -> String {
+    let shapes = [
+        ("cube", r#"<scale value="0.6"/><translate x="1.2"/>"#),
+        ("sphere", r#"<scale value="0.7"/><translate x="-1"/>"#),
+        ("cube", r#"<scale x="0.8" y="0.8" z="0.00001"/><translate z="1.4"/>"#),
+        ("rectangle", r#"<scale value="3"/><rotate x="1" angle="-90"/><translate y="-1"/>"#),
+    ];
+    shapes
+        .map(|(shape, transform)| {
+            format!(
+                r#"<shape type="{shape}"><transform name="to_world">{transform}</transform>{bsdf}</shape>"#
+            )
+        })
+        .concat()
+}
+
+fn assert_same_light(what: &str, body: &str) {
+    let resources = sample_files();
+    let mut lit = 0.0;
+    for parameters in PARAMETERS {
+        for emitter_sampling in [true, false] {
+            let text = format!(
+                r#"<scene version="3.0.0"><integrator type="path">{parameters}</integrator>{CAMERA}{body}</scene>"#
+            );
+            let diagnostics = Diagnostics::new();
+            let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+            let options = IntegratorOptions { name: None, emitter_sampling };
+            let setup = setup(document, &resources, &options, &diagnostics);
+            lit += setup.assert_same(&format!("{what}, {parameters}, {emitter_sampling}"), 16);
+        }
+    }
+    assert!(lit > 0.1, "{what}: hardly any light");
+}
+
+/// The samples in the manual of a class, by plugin. Pictures of all formats are read alike.
+fn samples(class: Class) -> impl Iterator<Item = (&'static str, String)> {
+    registry::plugins()
+        .into_iter()
+        .filter(move |(of, ..)| *of == class)
+        .map(|(_, name, manual)| (name, manual.sample.replace("sample.exr", "wood.png")))
+}
+
+#[test]
+fn every_material_looks_the_same() {
+    for (name, bsdf) in samples(Class::Bsdf) {
+        assert_same_light(name, &format!("{ROOM}{LAMP}{}", shapes_of(&bsdf)));
+    }
+}
+
+/// What lets light straight through: sheets, cut-outs, glowing masks, and the borders of media, which
+/// `path` leaves out.
+#[test]
+fn null_transmission_looks_the_same() {
+    let diffuse = r#"<bsdf type="diffuse"/>"#;
+    let masked =
+        format!(r#"<bsdf type="mask"><float name="opacity" value="0.4"/>{diffuse}</bsdf>"#);
+    let glowing = format!(r#"{masked}<emitter type="area"/>"#);
+    let boundary = r#"<bsdf type="null"/><medium name="interior" type="homogeneous"/>"#;
+    let open = r#"<emitter type="constant"/>"#;
+    let panes = r#"<bsdf type="thindielectric"/>"#;
+    for body in [masked.as_str(), &glowing, boundary, panes] {
+        assert_same_light(body, &format!("{ROOM}{LAMP}{}", shapes_of(body)));
+        assert_same_light(body, &format!("{open}{}", shapes_of(body)));
+    }
+}
+
+#[test]
+fn every_emitter_looks_the_same() {
+    for (name, emitter) in samples(Class::Emitter) {
+        let shapes = shapes_of(r#"<bsdf type="plastic"/>"#);
+        assert_same_light(name, &format!("{LAMP}{emitter}{shapes}"));
+    }
+}
+
+#[test]
+fn every_shape_looks_the_same() {
+    for (name, shape) in samples(Class::Shape) {
+        let shape = shape.replace("<scene>", "").replace("</scene>", "");
+        assert_same_light(name, &format!("{ROOM}{LAMP}{shape}"));
+    }
+}
+
+fn assert_same_scene(path_of_scene: &Path, columns: u32) {
+    let diagnostics = Diagnostics::new();
+    let document = load(path_of_scene, &Files, &LoadOptions::default(), &diagnostics);
+    let setup = setup(document, &Files, &path(), &diagnostics);
+    let lit = setup.assert_same(&path_of_scene.display().to_string(), columns);
+    assert!(lit > 0.1, "{}: hardly any light", path_of_scene.display());
+}
+
+#[test]
+fn the_gallery_looks_the_same() {
+    let folders = fs::read_dir(repository().join("scenes")).expect("the gallery");
+    let mut count = 0;
+    for folder in folders {
+        assert_same_scene(&folder.expect("a folder").path().join("scene.xml"), 32);
+        count += 1;
+    }
+    assert!(count > 5, "{count} scenes");
+}
+
+/// Scenes that lie beside the repository.
+#[test]
+fn the_seed_scenes_look_the_same() {
+    let folder = repository().join("../shared/seed-scenes/testcases");
+    for scene in [
+        "cornellbox1.xml",
+        "cornellbox2.xml",
+        "smallpt.xml",
+        "spline.xml",
+        "coffee/scene.xml",
+        "spaceship/scene.xml",
+        "kitchen/scene.xml",
+    ] {
+        let path = folder.join(scene);
+        if path.is_file() {
+            assert_same_scene(&path, 32);
+        }
+    }
+}
