@@ -4,9 +4,9 @@ use crate::estimator::{
     Continuation, NextEvent, PathVertex, PathWeight, ScatterNumbers, StrictNormals, distant,
     emitted, first_surface,
 };
+use crate::integrator::{Integrator, Radiance, Start};
 use crate::options::IntegratorOptions;
 use crate::parameters::{HIDE_EMITTERS, STRICT_NORMALS, read_strict_normals};
-use crate::integrator::{Integrator, Radiance, Start};
 use etendue_document::{Fault, Parameters};
 use etendue_sampling::Sampler;
 use etendue_scene::bsdf::Bsdf;

@@ -33,6 +33,6 @@ pub(crate) use mis::{next_event_weight, power_heuristic};
 pub(crate) use next_event::{NextEvent, ProposedLight};
 pub(crate) use numbers::{ScatterNumbers, VertexNumbers};
 pub(crate) use roulette::Roulette;
-pub(crate) use shading::{LaneScattering, Scattering, ShadingPoint, StrictNormals};
+pub(crate) use shading::{LaneScattering, ShadingPoint, StrictNormals};
 pub(crate) use thin_sheet::ThinSheet;
 pub(crate) use visibility::{first_hit, first_surface, is_hidden, skip_hits};

@@ -8,11 +8,11 @@ mod step;
 mod wavefront;
 
 use crate::estimator::VertexNumbers;
+use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use crate::options::IntegratorOptions;
 use crate::parameters::{
     HIDE_EMITTERS, MAX_DEPTH, PathParameters, RR_DEPTH, STRICT_NORMALS, read_strict_normals,
 };
-use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use etendue_document::Parameters;
 use etendue_sampling::Sampler;
 use etendue_scene::{Manual, Scene};

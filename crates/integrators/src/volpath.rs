@@ -1,10 +1,10 @@
 //! `volpath`: path tracing through participating media.
 
 use crate::estimator::{Alpha, Emission, Roulette, ThinSheet, VertexNumbers, is_hidden};
+use crate::integrator::{Integrator, Radiance, Start};
 use crate::media::{Connection, Event, Heuristic, MediumVertex, MediumWalk, Vertex, Weights};
 use crate::options::IntegratorOptions;
 use crate::parameters::{HIDE_EMITTERS, MAX_DEPTH, PathParameters, RR_DEPTH};
-use crate::integrator::{Integrator, Radiance, Start};
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_sampling::Sampler;

@@ -9,7 +9,7 @@ use etendue_document::{Class, Diagnostics, Document, MemoryResources, ResourceEr
 use etendue_integrators::{
     CameraRay, Integrator, IntegratorOptions, Radiance, Start, build_integrator,
 };
-use etendue_mitsuba::{LoadOptions, load, load_str};
+use etendue_mitsuba::{LoadOptions, read_file, read_text};
 use etendue_scene::sensor::SensorRay;
 use etendue_scene::{BuildOptions, Scene, build_scene, registry};
 use glam::{UVec2, Vec2};
@@ -67,11 +67,11 @@ impl Setup {
         pixels
             .flat_map(|pixel| (0..2).map(move |index| (pixel, index)))
             .map(|(pixel, index)| {
-                let mut stream = setup.sampler.start(pixel, index);
-                let film_position = (pixel.as_vec2() + stream.next_2d()) / columns as f32;
-                let aperture: Vec2 = stream.next_2d();
+                let mut sampler = setup.sampler.start(pixel, index);
+                let film_position = (pixel.as_vec2() + sampler.next_2d()) / columns as f32;
+                let aperture: Vec2 = sampler.next_2d();
                 let SensorRay { ray, .. } = setup.sensor.sample_ray(film_position, aperture);
-                CameraRay { start: Start { ray, medium: setup.medium }, stream }
+                CameraRay { start: Start { ray, medium: setup.medium }, sampler }
             })
             .collect()
     }
@@ -84,8 +84,8 @@ impl Setup {
         let scalar: Vec<Radiance> = self
             .rays(columns)
             .iter_mut()
-            .map(|CameraRay { start, stream }| {
-                self.integrator.sample(&self.scene, start, stream, &mut [])
+            .map(|CameraRay { start, sampler }| {
+                self.integrator.sample(&self.scene, start, sampler, &mut [])
             })
             .collect();
         assert_eq!(wavefront.len(), scalar.len(), "{what}");
@@ -164,7 +164,7 @@ fn assert_same_light(what: &str, body: &str) {
                 r#"<scene version="3.0.0"><integrator type="path">{parameters}</integrator>{CAMERA}{body}</scene>"#
             );
             let diagnostics = Diagnostics::new();
-            let document = load_str(&text, &resources, &LoadOptions::default(), &diagnostics);
+            let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics).ok();
             let options = IntegratorOptions { name: None, emitter_sampling };
             let setup = setup(document, &resources, &options, &diagnostics);
             lit += setup.assert_same(&format!("{what}, {parameters}, {emitter_sampling}"), 16);
@@ -223,7 +223,7 @@ fn every_shape_looks_the_same() {
 
 fn assert_same_scene(path_of_scene: &Path, columns: u32) {
     let diagnostics = Diagnostics::new();
-    let document = load(path_of_scene, &Files, &LoadOptions::default(), &diagnostics);
+    let document = read_file(path_of_scene, &Files, &LoadOptions::default(), &diagnostics).ok();
     let setup = setup(document, &Files, &path(), &diagnostics);
     let lit = setup.assert_same(&path_of_scene.display().to_string(), columns);
     assert!(lit > 0.1, "{}: hardly any light", path_of_scene.display());

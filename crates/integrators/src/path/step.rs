@@ -1,10 +1,10 @@
 //! A path on its way, and the steps that it takes: what the scalar loop and the wavefront share.
 
-use crate::integrator::Radiance;
 use crate::estimator::{
     Alpha, Continuation, NextEvent, PathVertex, PathWeight, ProposedLight, ShadingPoint, ThinSheet,
     VertexNumbers, distant, emitted, is_hidden, skip_hits,
 };
+use crate::integrator::Radiance;
 use crate::parameters::PathParameters;
 use etendue_math::Ray;
 use etendue_math::lanes::Vector2;

@@ -12,8 +12,8 @@
 use super::batch::{Batch, places};
 use super::step::{PathState, Step};
 use crate::estimator::{ProposedLight, VertexNumbers};
-use crate::parameters::PathParameters;
 use crate::integrator::{CameraRay, Radiance};
+use crate::parameters::PathParameters;
 use etendue_math::Ray;
 use etendue_math::lanes::MAX_LANES;
 use etendue_scene::bsdf::LaneKind;
