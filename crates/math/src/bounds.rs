@@ -2,18 +2,18 @@
 
 use glam::Vec3;
 
-/// An axis-aligned box, closed on all sides. [`Bounds3::EMPTY`] holds no point and is the neutral
-/// element of [`Bounds3::union`].
+/// An axis-aligned box that includes its boundary. [`Bounds3::EMPTY`] contains no point and is the
+/// neutral element of [`Bounds3::union`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds3 {
-    /// The least coordinates.
+    /// The minimum corner.
     pub min: Vec3,
-    /// The greatest coordinates.
+    /// The maximum corner.
     pub max: Vec3,
 }
 
 impl Bounds3 {
-    /// The box without points.
+    /// The empty box.
     pub const EMPTY: Self =
         Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY) };
 
@@ -29,7 +29,7 @@ impl Bounds3 {
         points.into_iter().fold(Self::EMPTY, Self::with_point)
     }
 
-    /// Whether no point is inside.
+    /// Whether the box contains no point.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
@@ -49,34 +49,34 @@ impl Bounds3 {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The points in both.
+    /// The points that are in both boxes.
     #[inline]
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// Whether `point` is inside or on the border.
+    /// Whether `point` is inside or on the boundary.
     #[must_use]
     pub fn contains(&self, point: Vec3) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
-    /// The edge lengths; negative components where the box is empty.
+    /// The edge lengths; at least one is negative if the box is empty.
     #[inline]
     #[must_use]
     pub fn extent(&self) -> Vec3 {
         self.max - self.min
     }
 
-    /// The middle.
+    /// The centre.
     #[inline]
     #[must_use]
     pub fn center(&self) -> Vec3 {
         (self.min + self.max) * 0.5
     }
 
-    /// Half the surface area, and zero for the empty box.
+    /// Half the surface area; zero for the empty box.
     #[inline]
     #[must_use]
     pub fn half_area(&self) -> f32 {
@@ -84,7 +84,8 @@ impl Bounds3 {
         extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
     }
 
-    /// The centre and radius of the smallest sphere around the box; a point at the origin where it is empty.
+    /// The centre and radius of the smallest sphere around the box; the origin and zero if it is
+    /// empty.
     #[must_use]
     pub fn bounding_sphere(&self) -> (Vec3, f32) {
         if self.is_empty() {

@@ -1,21 +1,21 @@
-//! Helpers for single-precision arithmetic whose errors are bounded.
+//! Single-precision helpers with bounded errors.
 
-/// The next representable number above `x`; infinities and NaN stay as they are.
+/// The next representable number above `x`; NaN and infinity are returned unchanged.
 #[inline]
 #[must_use]
 pub fn next_up(x: f32) -> f32 {
     x.next_up()
 }
 
-/// The next representable number below `x`; infinities and NaN stay as they are.
+/// The next representable number below `x`; NaN and infinity are returned unchanged.
 #[inline]
 #[must_use]
 pub fn next_down(x: f32) -> f32 {
     x.next_down()
 }
 
-/// Higham's γₙ: the relative error of `operations` successive roundings in single precision is at
-/// most n·u / (1 − n·u) with u = 2⁻²⁴ (*Accuracy and Stability of Numerical Algorithms*, section 3.1).
+/// Higham's γₙ: the relative error after n successive single-precision roundings is at most
+/// n·u / (1 − n·u) with u = 2⁻²⁴ (*Accuracy and Stability of Numerical Algorithms*, section 3.1).
 #[inline]
 #[must_use]
 pub const fn rounding_error_bound(operations: u32) -> f32 {
@@ -23,7 +23,7 @@ pub const fn rounding_error_bound(operations: u32) -> f32 {
     product / (1.0 - product)
 }
 
-/// The square root of `x`, and zero where rounding has made `x` negative.
+/// The square root of `x`, or zero if rounding has made `x` negative.
 #[inline]
 #[must_use]
 pub fn safe_sqrt(x: f32) -> f32 {

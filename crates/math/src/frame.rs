@@ -1,9 +1,9 @@
-//! Orthonormal frames, and directions within them.
+//! Orthonormal frames.
 
 use crate::lanes::Frame3;
 use glam::Vec3;
 
-/// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`; see
+/// Two unit vectors that complete the unit vector `n` to a right-handed orthonormal basis; see
 /// [`Frame3::from_normal`].
 #[inline(always)]
 #[must_use]
@@ -24,7 +24,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Any frame around the unit normal `n`.
+    /// A frame with the unit normal `n` and an arbitrary tangent.
     #[inline(always)]
     #[must_use]
     pub fn from_normal(n: Vec3) -> Self {
@@ -32,8 +32,8 @@ impl Frame {
         Self { s, t, n }
     }
 
-    /// The frame around the unit normal `n` whose `s` is as close to `tangent` as it can be; any
-    /// frame where `tangent` is zero, not finite or along the normal.
+    /// The frame with the unit normal `n` whose `s` is as close to `tangent` as possible. The
+    /// tangent is arbitrary if `tangent` is zero, not finite, or parallel to the normal.
     #[inline(always)]
     #[must_use]
     pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
@@ -41,14 +41,14 @@ impl Frame {
         Self { s: frame.s.into(), t: frame.t.into(), n }
     }
 
-    /// World to local coordinates.
+    /// Transforms from world to local coordinates.
     #[inline(always)]
     #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(self.s.dot(v), self.t.dot(v), self.n.dot(v))
     }
 
-    /// Local to world coordinates.
+    /// Transforms from local to world coordinates.
     #[inline(always)]
     #[must_use]
     pub fn to_world(&self, v: Vec3) -> Vec3 {

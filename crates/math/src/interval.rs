@@ -1,13 +1,14 @@
-//! Closed intervals of `f64`, rounded outwards: every operation's result holds the true values.
+//! Closed `f64` intervals with outward rounding: the result of an operation contains every exact
+//! result.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// The numbers from `low` to `high`, both included.
+/// The numbers from `low` to `high`, inclusive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// The least number.
+    /// The lower bound.
     pub low: f64,
-    /// The greatest number.
+    /// The upper bound.
     pub high: f64,
 }
 
@@ -18,31 +19,31 @@ impl Interval {
         Self { low: a.min(b), high: a.max(b) }
     }
 
-    /// The interval that holds one number.
+    /// The interval of one number.
     #[must_use]
     pub fn point(x: f64) -> Self {
         Self { low: x, high: x }
     }
 
-    /// Whether `x` is inside or on the border.
+    /// Whether `x` is inside or on the boundary.
     #[must_use]
     pub fn contains(&self, x: f64) -> bool {
         self.low <= x && x <= self.high
     }
 
-    /// The length.
+    /// The width.
     #[must_use]
     pub fn width(&self) -> f64 {
         self.high - self.low
     }
 
-    /// The middle.
+    /// The midpoint.
     #[must_use]
     pub fn middle(&self) -> f64 {
         0.5 * (self.low + self.high)
     }
 
-    /// All squares of the numbers inside.
+    /// The squares of the numbers inside.
     #[must_use]
     pub fn square(self) -> Self {
         let (a, b) = (self.low * self.low, self.high * self.high);
@@ -51,7 +52,7 @@ impl Interval {
     }
 }
 
-/// The interval widened by one representable number at each end.
+/// An interval, widened by one representable number at each end.
 fn outwards(low: f64, high: f64) -> Interval {
     Interval { low: low.next_down(), high: high.next_up() }
 }
@@ -98,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_hold_what_their_operands_can_give() {
+    fn results_contain_the_exact_values() {
         let (a, b) = (Interval::new(-1.5, 2.0), Interval::new(0.25, 0.75));
         for x in [-1.5, -0.1, 0.0, 1.3, 2.0] {
             for y in [0.25, 0.5, 0.75] {

@@ -1,80 +1,47 @@
-//! Numbers for several paths at once.
+//! Floats and integers in SIMD lanes.
 //!
-//! What happens to all paths alike is written once, over any [`Real`]: a plain `f32`, or [`Lanes`]
-//! of them, one lane to a path, in the widest registers that the machine has. Every operation here
-//! gives each lane the bits that it would give an `f32`, on every machine: nothing is fused, and no
-//! function is the library's. A path's light therefore does not depend on who it travels with.
+//! A *lane* is one of the numbers in a SIMD register. In a batch, each lane belongs to one path.
+//! Code that does the same for all paths is written once, generic over [`Real`]:
 //!
-//! Branches become masks: both sides are computed, and [`Real::select`] takes one for each lane.
-//! Constants stand on the right (`x * 2.0`, `-x + 1.0`), where their lanes are known from the left.
+//! * [`Lanes`] is a register of `f32`, as wide as the machine has: one lane per path.
+//! * A plain `f32` is the one-lane case. The scalar code is the generic code, instantiated for
+//!   `f32`.
 //!
-//! Everything is inlined into the loop behind [`with_lanes!`](crate::with_lanes), which is compiled
-//! once for each set of instructions; a function that is not inlined would lose them. So would a
-//! closure with more than an operation or two in it, by which every one of them becomes a call:
-//! methods, marked like the rest, take their place.
+//! Every operation gives each lane the same bits that it gives an `f32`, on every machine: nothing
+//! is fused, and no function of a maths library is called. So the result for a path does not depend
+//! on the other paths of its batch.
 //!
-//! What hashes and mixes bits is written over [`Word32`] and [`Word64`] in the same way.
+//! A *mask* holds one boolean per lane (`bool` in the one-lane case). Branches become masks: both
+//! sides are computed, and [`Real::select`] picks one in each lane. Constants stand on the right
+//! (`x * 2.0`, `-x + 1.0`), where the left operand determines their number of lanes.
+//!
+//! A [`Level`] is an instruction set that the machine supports, detected at run time.
+//! [`with_lanes!`](crate::with_lanes) compiles a loop once per level and runs the version for a
+//! given one. Everything here is inlined into that loop: a function that is not inlined would be
+//! compiled for the baseline instruction set. The same happens to closures with more than one or
+//! two operations, whose operations then become calls; use `#[inline(always)]` methods instead.
+//!
+//! [`Word32`] and [`Word64`] are the integer counterparts, for hashes and bit manipulation.
 
 mod float;
-mod functions;
 mod integer;
+mod level;
 mod mask;
+mod real;
 mod table;
 mod vector;
 
 pub use fearless_simd::{Level, Simd};
-pub use float::{LaneArray, Lanes, Real};
+pub use float::{LaneArray, Lanes};
 pub use integer::{Word, Word32, Word64, WordArray32, WordArray64, WordLanes32, WordLanes64};
+pub use level::{MAX_LANES, baseline};
 pub use mask::{LaneMask, Mask};
+pub use real::Real;
 pub use table::TABLE_ENTRIES;
 pub use vector::{Frame3, Vector2, Vector3};
 
-/// The most lanes that any machine has, and the length of a [`LaneArray`]. A multiple of the lanes
-/// of every machine.
-pub const MAX_LANES: usize = 16;
-
-/// What every machine of this architecture has.
-#[must_use]
-pub fn baseline() -> Level {
-    Level::baseline()
-}
-
-/// Evaluates an expression with the instructions that a [`Level`] names; within it, the identifier
-/// stands for them and is what [`Lanes`] are made with. The expression is compiled once for each
-/// level and may be evaluated only once.
-#[macro_export]
-macro_rules! with_lanes {
-    ($level:expr, $simd:ident => $work:expr) => {{
-        let level: $crate::lanes::Level = $level;
-        $crate::with_lanes!(@levels level, $simd => $work, [as_avx512, as_avx2, as_sse2] [as_neon])
-    }};
-    (@levels $level:ident, $simd:ident => $work:expr, [$($x86:ident),*] [$($arm:ident),*]) => {{
-        #[allow(unused_imports)]
-        use $crate::lanes::Simd as _;
-        #[cfg(target_arch = "x86_64")]
-        {
-            $(if let Some($simd) = $level.$x86() {
-                $simd.vectorize(#[inline(always)] || $work)
-            } else)* {
-                unreachable!("every machine of the architecture has the last level")
-            }
-        }
-        #[cfg(target_arch = "aarch64")]
-        {
-            $(if let Some($simd) = $level.$arm() {
-                $simd.vectorize(#[inline(always)] || $work)
-            } else)* {
-                unreachable!("every machine of the architecture has the last level")
-            }
-        }
-        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-        {
-            $crate::lanes::dispatch!($level, $simd => $work)
-        }
-    }};
-}
-
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[doc(hidden)]
 pub use fearless_simd::dispatch;
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Transforms, frames, rays, boxes, intervals, polynomial roots and robust ray offsets.
 //!
-//! The mathematics that every other crate stands on, on top of [`glam`]. Points and directions
-//! are `f32` ([`glam::Vec3`]); where the digits are needed (quadrics, roots) the functions here
+//! The mathematics that all other crates build on, on top of [`glam`]. Points and directions are
+//! `f32` ([`glam::Vec3`]). Where single precision does not suffice (quadrics, roots), functions
 //! take `f64`.
 #![forbid(unsafe_code)]
 

@@ -1,22 +1,21 @@
 //! Roots of polynomials of low degree.
 
-/// `a·b − c·d` with one rounding error at the end instead of catastrophic cancellation.
+/// `a·b − c·d` with an error of at most 1.5 ulps, without catastrophic cancellation.
 ///
 /// Kahan's algorithm; Jeannerod, Louvet and Muller, "Further analysis of Kahan's algorithm",
 /// Mathematics of Computation 82, 2013.
 #[inline]
-#[must_use]
-pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let product = c * d;
     let error = (-c).mul_add(d, product);
     a.mul_add(b, -product) + error
 }
 
-/// The real roots of `a·x² + b·x + c` in ascending order; a double root is given twice.
+/// The real roots of `a·x² + b·x + c` in ascending order; a double root is returned twice.
 ///
 /// The discriminant is computed without cancellation, and the root of smaller magnitude from the
-/// product of the roots, so both keep nearly all their digits. A linear equation gives its one
-/// root twice; one without roots, or of zeros alone, `None`.
+/// product of the roots, so both are accurate to nearly full precision. The root of a linear
+/// equation is returned twice. `None` if there are no real roots, or if all coefficients are zero.
 #[inline]
 #[must_use]
 pub fn quadratic_roots(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
@@ -51,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn nearly_double_roots_keep_their_digits() {
+    fn nearly_double_roots_are_accurate() {
         // (x − 1)(x − (1 + 2⁻²⁵)): the naive discriminant is pure rounding noise.
         let d = 2.0_f64.powi(-25);
         let (low, high) = quadratic_roots(1.0, -(2.0 + d), 1.0 + d).expect("both roots are real");

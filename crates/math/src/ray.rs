@@ -1,4 +1,4 @@
-//! Rays, and origins that leave a surface without hitting it again.
+//! Rays, and offsets of their origins from surfaces.
 
 use crate::lanes::{Lanes, Real, Simd, Vector3};
 use glam::Vec3;
@@ -6,14 +6,14 @@ use glam::Vec3;
 /// A half-line `origin + t · direction` for `t` in `(0, t_max)`.
 ///
 /// There is no lower bound other than zero: rays that leave a surface start at an origin that
-/// [`offset_ray_origin`] has moved clear of it, so no global epsilon is needed at any scale.
+/// [`offset_ray_origin`] has moved off it, so no global epsilon is needed at any scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where the ray starts.
+    /// The origin.
     pub origin: Vec3,
-    /// Where it goes; not necessarily of unit length, and `t` counts in its lengths.
+    /// The direction; not necessarily of unit length. `t` is in units of its length.
     pub direction: Vec3,
-    /// Hits at or beyond this distance do not count; infinite for an unbounded ray.
+    /// Hits at or beyond this parameter do not count; infinite for an unbounded ray.
     pub t_max: f32,
 }
 
@@ -25,7 +25,7 @@ impl Ray {
         Self { origin, direction, t_max: f32::INFINITY }
     }
 
-    /// A ray that ends at `t_max` lengths of `direction`.
+    /// A ray that ends at `origin + t_max · direction`.
     #[inline(always)]
     #[must_use]
     pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
@@ -40,14 +40,14 @@ impl Ray {
     }
 }
 
-/// A [`Ray`] over any [`Real`]: one for each lane.
+/// A [`Ray`] over any [`Real`]: one ray per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct RayLanes<R> {
-    /// Where the rays start.
+    /// The origins.
     pub origin: Vector3<R>,
-    /// Where they go.
+    /// The directions.
     pub direction: Vector3<R>,
-    /// Hits at or beyond this distance do not count.
+    /// Hits at or beyond these parameters do not count.
     pub t_max: R,
 }
 
@@ -71,12 +71,13 @@ impl<S: Simd> RayLanes<Lanes<S>> {
     }
 }
 
-/// An origin for a ray leaving `point` towards `direction` that lies clear of the surface.
+/// The origin of a ray that leaves the surface at `point` towards `direction`, moved off the
+/// surface.
 ///
 /// `error` bounds the absolute error of each coordinate of `point`, so the true surface passes
 /// through the box `point ± error`. The origin is moved along the geometric `normal`, to the side
-/// that `direction` points to, just out of that box, and then each coordinate is rounded away from
-/// the surface (Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th ed., section 6.8.6).
+/// that `direction` points to, just out of that box. Then each coordinate is rounded away from the
+/// surface (Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th ed., section 6.8.6).
 #[inline(always)]
 #[must_use]
 pub fn offset_ray_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {

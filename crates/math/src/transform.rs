@@ -1,10 +1,10 @@
-//! Affine maps with their inverses.
+//! Affine transforms with their inverses.
 
 use crate::bounds::Bounds3;
 use crate::ray::Ray;
 use glam::{Affine3A, DMat4, Mat3A, Vec3};
 
-/// An invertible affine map together with its inverse.
+/// An invertible affine transform together with its inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     forward: Affine3A,
@@ -18,11 +18,11 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// The map that changes nothing.
+    /// The identity.
     pub const IDENTITY: Self = Self { forward: Affine3A::IDENTITY, inverse: Affine3A::IDENTITY };
 
-    /// The map of a 4×4 matrix whose last row is (0, 0, 0, 1) (others are read as if it were);
-    /// `None` where it is singular or not finite. The inverse is computed in double precision.
+    /// The transform of a 4×4 matrix whose last row is taken as (0, 0, 0, 1); `None` if it is
+    /// singular or not finite. The inverse is computed in double precision.
     #[must_use]
     pub fn from_matrix(matrix: &DMat4) -> Option<Self> {
         if !matrix.is_finite() {
@@ -44,13 +44,13 @@ impl Transform {
         (transform.forward.is_finite() && transform.inverse.is_finite()).then_some(transform)
     }
 
-    /// The map of two that undo each other, as [`Self::affine`] and [`Self::inverse_affine`] gave them.
+    /// A transform from a pair that [`Self::affine`] and [`Self::inverse_affine`] returned.
     #[must_use]
     pub fn from_inverses(forward: Affine3A, inverse: Affine3A) -> Self {
         Self { forward, inverse }
     }
 
-    /// The map as glam's affine type.
+    /// The transform as glam's affine type.
     #[must_use]
     pub fn affine(&self) -> Affine3A {
         self.forward
@@ -62,33 +62,33 @@ impl Transform {
         self.inverse
     }
 
-    /// The inverse map.
+    /// The inverse transform.
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self { forward: self.inverse, inverse: self.forward }
     }
 
-    /// The map that applies `first` and then this one.
+    /// The composition: `first`, then this transform.
     #[must_use]
     pub fn after(&self, first: &Self) -> Self {
         Self { forward: self.forward * first.forward, inverse: first.inverse * self.inverse }
     }
 
-    /// Maps a position.
+    /// Transforms a position.
     #[inline]
     #[must_use]
     pub fn point(&self, p: Vec3) -> Vec3 {
         self.forward.transform_point3(p)
     }
 
-    /// Maps a displacement.
+    /// Transforms a displacement.
     #[inline]
     #[must_use]
     pub fn vector(&self, v: Vec3) -> Vec3 {
         self.forward.transform_vector3(v)
     }
 
-    /// Maps a surface normal, by the inverse transpose; the length is not kept.
+    /// Transforms a surface normal by the inverse transpose. The result is not normalised.
     #[inline]
     #[must_use]
     pub fn normal(&self, n: Vec3) -> Vec3 {
@@ -100,21 +100,21 @@ impl Transform {
         )
     }
 
-    /// Maps a position backwards.
+    /// Transforms a position by the inverse.
     #[inline]
     #[must_use]
     pub fn inverse_point(&self, p: Vec3) -> Vec3 {
         self.inverse.transform_point3(p)
     }
 
-    /// Maps a displacement backwards.
+    /// Transforms a displacement by the inverse.
     #[inline]
     #[must_use]
     pub fn inverse_vector(&self, v: Vec3) -> Vec3 {
         self.inverse.transform_vector3(v)
     }
 
-    /// Maps a ray; its parameter `t` keeps its meaning.
+    /// Transforms a ray. Its parameter `t` is preserved.
     #[inline]
     #[must_use]
     pub fn ray(&self, ray: &Ray) -> Ray {
@@ -125,7 +125,7 @@ impl Transform {
         }
     }
 
-    /// The smallest box around the image of a box.
+    /// The bounding box of a transformed box.
     #[must_use]
     pub fn bounds(&self, bounds: &Bounds3) -> Bounds3 {
         if bounds.is_empty() {
@@ -142,13 +142,13 @@ impl Transform {
         }))
     }
 
-    /// The signed volume that the image of the unit cube has.
+    /// The determinant of the linear part.
     #[must_use]
     pub fn determinant(&self) -> f32 {
         self.forward.matrix3.determinant()
     }
 
-    /// Whether the map turns right-handed frames into left-handed ones.
+    /// Whether the transform turns right-handed frames into left-handed ones.
     #[must_use]
     pub fn flips_handedness(&self) -> bool {
         self.determinant() < 0.0
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn inverse_undoes_and_composition_applies_the_first_first() {
+    fn inverse_undoes_and_composition_applies_the_argument_first() {
         let transform = example();
         let p = Vec3::new(0.3, 0.4, -0.9);
         assert!((transform.inverse_point(transform.point(p)) - p).length() < 1e-5);
@@ -186,14 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn singular_and_non_finite_matrices_are_refused() {
+    fn singular_and_non_finite_matrices_are_rejected() {
         assert!(Transform::from_matrix(&DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0))).is_none());
         assert!(Transform::from_matrix(&DMat4::from_scale(DVec3::splat(f64::NAN))).is_none());
         assert!(Transform::from_matrix(&DMat4::from_scale(DVec3::splat(1e300))).is_none());
     }
 
     #[test]
-    fn the_image_of_a_box_holds_the_images_of_its_corners() {
+    fn the_image_of_a_box_contains_the_images_of_its_corners() {
         let transform = example();
         let image = transform.bounds(&Bounds3::new(Vec3::ZERO, Vec3::ONE));
         assert!(

@@ -1,11 +1,12 @@
-//! Whole numbers, one or several: for hashes, which wrap around and mix bits.
+//! Unsigned integers, one or one per lane: for hashes and bit manipulation.
 
-use super::MAX_LANES;
-use super::float::{Lanes, Real};
+use super::float::Lanes;
+use super::level::MAX_LANES;
+use super::real::Real;
 use fearless_simd::{Simd, prelude::*};
 use std::ops::{BitAnd, BitOr, BitXor, Shl, Shr};
 
-/// A number without a sign whose arithmetic wraps around, or one for each lane.
+/// An unsigned integer with wrapping arithmetic, or one per lane.
 pub trait Word:
     Copy
     + BitXor<Output = Self>
@@ -15,25 +16,25 @@ pub trait Word:
     + Shl<u32, Output = Self>
     + Shr<u32, Output = Self>
 {
-    /// One such number.
+    /// The integer type of one lane.
     type Constant;
 
-    /// The sum of two.
+    /// The wrapping sum.
     fn wrapping_add(self, other: Self) -> Self;
-    /// The product of two.
+    /// The wrapping product.
     fn wrapping_mul(self, other: Self) -> Self;
-    /// The sum with a constant.
+    /// The wrapping sum with a constant.
     fn plus(self, constant: Self::Constant) -> Self;
-    /// The product with a constant.
+    /// The wrapping product with a constant.
     fn times(self, constant: Self::Constant) -> Self;
 }
 
-/// 32 bits, or as many for each lane.
+/// A 32-bit unsigned integer, or one per lane.
 pub trait Word32: Word<Constant = u32> {
-    /// Single-precision numbers in as many lanes.
+    /// The floats with the same number of lanes.
     type Real: Real;
 
-    /// The number as a [`Real`], where it is below 2²⁴ and so exact.
+    /// Converts to a float. The value must be below 2²⁴, so the result is exact.
     fn to_real(self) -> Self::Real;
 
     /// The bits in reverse order.
@@ -54,9 +55,9 @@ pub trait Word32: Word<Constant = u32> {
     }
 }
 
-/// 64 bits, or as many for each lane.
+/// A 64-bit unsigned integer, or one per lane.
 pub trait Word64: Word<Constant = u64> {
-    /// 32 bits in as many lanes.
+    /// The 32-bit integers with the same number of lanes.
     type Half: Word32;
 
     /// The upper 32 bits.
@@ -111,7 +112,7 @@ impl Word32 for u32 {
 
     #[inline(always)]
     fn reverse_bits_of_both(first: Self, second: Self) -> [Self; 2] {
-        // One reversal for both: the halves change places.
+        // One 64-bit reversal for both, which also swaps the halves.
         let both = (u64::from(first) | u64::from(second) << 32).reverse_bits();
         [both.upper(), both.lower()]
     }
@@ -131,33 +132,33 @@ impl Word64 for u64 {
     }
 }
 
-/// As many 32-bit numbers in memory as the widest lanes take.
+/// An array of 32-bit integers in memory with room for the widest lanes.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub struct WordArray32(pub [u32; MAX_LANES]);
 
-/// As many 64-bit numbers in memory as the widest lanes take.
+/// An array of 64-bit integers in memory with room for the widest lanes.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub struct WordArray64(pub [u64; MAX_LANES]);
 
-/// 32 bits for each lane.
+/// A 32-bit integer per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct WordLanes32<S: Simd>(S::u32s);
 
-/// 64 bits for each lane: two registers for one of the other lanes.
+/// A 64-bit integer per lane, in two registers.
 #[derive(Clone, Copy, Debug)]
 pub struct WordLanes64<S: Simd>([S::u64s; 2]);
 
 impl<S: Simd> WordLanes32<S> {
-    /// Numbers from memory; see [`Lanes::load`].
+    /// Loads from an array; see [`Lanes::load`].
     #[inline(always)]
     #[must_use]
     pub fn load(simd: S, array: &WordArray32, first: usize) -> Self {
         Self(S::u32s::from_slice(simd, &array.0[first..first + Lanes::<S>::COUNT]))
     }
 
-    /// Numbers to memory; see [`Lanes::store`].
+    /// Stores to an array; see [`Lanes::store`].
     #[inline(always)]
     pub fn store(self, array: &mut WordArray32, first: usize) {
         self.0.store_slice(&mut array.0[first..first + Lanes::<S>::COUNT]);
@@ -165,7 +166,7 @@ impl<S: Simd> WordLanes32<S> {
 }
 
 impl<S: Simd> WordLanes64<S> {
-    /// Numbers from memory; see [`Lanes::load`].
+    /// Loads from an array; see [`Lanes::load`].
     #[inline(always)]
     #[must_use]
     pub fn load(simd: S, array: &WordArray64, first: usize) -> Self {
@@ -259,7 +260,7 @@ impl<S: Simd> Word32 for WordLanes32<S> {
 
     #[inline(always)]
     fn to_real(self) -> Lanes<S> {
-        // By way of numbers with a sign, whose conversion every machine has.
+        // As signed integers, whose conversion is an instruction on every machine.
         let signed: S::i32s = self.0.bitcast();
         Lanes(signed.to_float())
     }

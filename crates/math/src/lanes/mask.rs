@@ -1,15 +1,15 @@
-//! Answers for several paths at once.
+//! Masks: one boolean per lane.
 
 use fearless_simd::{Simd, prelude::*};
 use std::ops::{BitAnd, BitOr, Not};
 
-/// A truth, or one for each lane.
+/// A boolean, or one per lane.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Whether any lane is true.
     fn any(self) -> bool;
     /// Whether all lanes are true.
     fn all(self) -> bool;
-    /// A bit for each lane, the first in the lowest.
+    /// One bit per lane, the first lane in the lowest bit.
     fn bits(self) -> u32;
 }
 
@@ -30,12 +30,12 @@ impl Mask for bool {
     }
 }
 
-/// A truth for each lane.
+/// A boolean per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneMask<S: Simd>(pub(super) S::mask32s);
 
 impl<S: Simd> LaneMask<S> {
-    /// The lanes whose bits are set, the first in the lowest.
+    /// The mask with the given bits, the first lane in the lowest bit.
     #[inline(always)]
     #[must_use]
     pub fn from_bits(simd: S, bits: u32) -> Self {

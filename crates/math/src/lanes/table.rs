@@ -1,24 +1,25 @@
-//! Tables that all lanes read.
+//! Table lookups.
 
-use super::MAX_LANES;
-use super::float::{LaneArray, Lanes, Real};
+use super::float::{LaneArray, Lanes};
+use super::level::MAX_LANES;
+use super::real::Real;
 use fearless_simd::{Bytes as _, Simd, prelude::*};
 
-/// How many entries a table has that lanes can read.
+/// The number of entries in a table.
 pub const TABLE_ENTRIES: usize = 64;
 
-/// The last bits of 2²³ + n are those of the whole number n.
+/// The low bits of 2²³ + n are those of the integer n.
 const TWO_TO_23: f32 = 8_388_608.0;
 
 impl<S: Simd> Lanes<S> {
-    /// The entries of a table with the given indices, whole numbers from 0 to 63.
+    /// Looks up each lane's index, an integer from 0 to 63, in one table.
     #[inline(always)]
     #[must_use]
     pub fn of_table(simd: S, table: &[f32; TABLE_ENTRIES], index: Self) -> Self {
         if Self::COUNT < MAX_LANES {
             return Self::of_tables(simd, index, |_| table);
         }
-        // Four registers hold the whole table. Their bytes are permuted, four for each entry.
+        // Four registers hold the whole table. Permute bytes, four per entry.
         let quarter = |number: usize| {
             let first = number * MAX_LANES;
             S::f32s::from_slice(simd, &table[first..first + MAX_LANES])
@@ -31,7 +32,7 @@ impl<S: Simd> Lanes<S> {
         Self::select(index.below(32.0), Self(low), Self(high))
     }
 
-    /// The entries with the given indices, each of its own lane's table.
+    /// Looks up each lane's index in a table of its own.
     #[inline(always)]
     #[must_use]
     pub fn of_tables<'a>(

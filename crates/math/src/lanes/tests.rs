@@ -1,6 +1,7 @@
-//! Lanes against single numbers, bit by bit, with every set of instructions of this machine.
+//! Compares lanes with scalars bit by bit, at every level of this machine.
 
 use super::*;
+use crate::with_lanes;
 
 const VALUES: [f32; MAX_LANES] = [
     0.0,
@@ -29,7 +30,7 @@ fn levels() -> Vec<Level> {
     levels
 }
 
-/// Compares a function of one number in lanes with itself on each number alone.
+/// Asserts that a function gives the same bits in lanes as for scalars.
 macro_rules! assert_same {
     ($name:literal, |$x:ident| $body:expr) => {
         for level in levels() {
@@ -54,7 +55,7 @@ fn apply<S: Simd>(simd: S, results: &mut LaneArray, function: impl Fn(Lanes<S>) 
 }
 
 #[test]
-fn lanes_give_the_bits_of_single_numbers() {
+fn lanes_give_the_bits_of_scalars() {
     assert_same!("next_up", |x| Real::next_up(x));
     assert_same!("next_down", |x| Real::next_down(x));
     for direction in [2.0, -1e-45, 0.0, -0.0, f32::NAN, f32::NEG_INFINITY] {
@@ -71,7 +72,7 @@ fn lanes_give_the_bits_of_single_numbers() {
 }
 
 #[test]
-fn whole_numbers_and_powers_fit_together() {
+fn rounding_and_exponents_are_consistent() {
     assert_same!("floor", |x| {
         let inside = Real::select(Real::abs(x).below(1e9), x, Real::zero(x));
         Real::floor(inside)
@@ -97,7 +98,7 @@ fn whole_numbers_and_powers_fit_together() {
 }
 
 #[test]
-fn functions_give_the_bits_of_single_numbers() {
+fn functions_give_the_bits_of_scalars() {
     assert_same!("exp", |x| Real::exp(x));
     assert_same!("exp nearer zero", |x| Real::exp(Real::min(x, x.like(1.0)) * 0.37));
     assert_same!("ln", |x| {
@@ -112,7 +113,7 @@ fn functions_give_the_bits_of_single_numbers() {
 }
 
 #[test]
-fn tables_are_read_alike() {
+fn both_table_lookups_agree_with_indexing() {
     let table: [f32; TABLE_ENTRIES] = std::array::from_fn(|entry| 0.1 * entry as f32 - 3.0);
     for level in levels() {
         for shift in [0, 13, 48] {
@@ -142,7 +143,7 @@ fn read<S: Simd>(
 }
 
 #[test]
-fn masks_name_their_lanes() {
+fn mask_bits_round_trip() {
     for level in levels() {
         let bits = with_lanes!(level, simd => masks(simd));
         assert!(bits.0 && bits.1 && bits.2, "{level:?}");
@@ -161,7 +162,7 @@ fn masks<S: Simd>(simd: S) -> (bool, bool, bool) {
 }
 
 #[test]
-fn frames_are_those_of_single_vectors() {
+fn generic_frames_equal_scalar_frames() {
     use glam::Vec3;
     let n = Vec3::new(0.48, -0.6, 0.64);
     for tangent in [Vec3::X, Vec3::ZERO, n * 2.0, Vec3::splat(f32::NAN), Vec3::splat(f32::MAX)] {
@@ -172,7 +173,7 @@ fn frames_are_those_of_single_vectors() {
 }
 
 #[test]
-fn words_in_lanes_are_those_of_single_words() {
+fn words_in_lanes_equal_scalar_words() {
     let words: [u64; MAX_LANES] = std::array::from_fn(|lane| {
         (lane as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (0xffff_ffff << (2 * lane))
     });
@@ -189,7 +190,8 @@ fn words_in_lanes_are_those_of_single_words() {
     }
 }
 
-/// A number that every operation on words has a part in, its bits in reverse order, and another's.
+/// The results of an expression that uses every operation on words: a value, its bits reversed, and
+/// another value.
 #[inline(always)]
 fn work_on_words<W: Word64>(word: W) -> [W::Half; 3] {
     let long = word.times(0xbf58_476d_1ce4_e5b9) ^ (word >> 27 | word << 11);

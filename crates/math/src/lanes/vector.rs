@@ -1,47 +1,48 @@
-//! Vectors and frames over any [`Real`].
+//! Vectors and frames, generic over [`Real`].
 
-use super::float::{LaneArray, Lanes, Real};
+use super::float::{LaneArray, Lanes};
 use super::mask::Mask as _;
+use super::real::Real;
 use fearless_simd::Simd;
 use glam::{Vec2, Vec3};
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Two coordinates.
+/// A two-dimensional vector, or one per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vector2<R> {
-    /// The first.
+    /// The x coordinate.
     pub x: R,
-    /// The second.
+    /// The y coordinate.
     pub y: R,
 }
 
-/// Three coordinates.
+/// A three-dimensional vector, or one per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vector3<R> {
-    /// The first.
+    /// The x coordinate.
     pub x: R,
-    /// The second.
+    /// The y coordinate.
     pub y: R,
-    /// The third.
+    /// The z coordinate.
     pub z: R,
 }
 
 impl<R: Real> Vector2<R> {
-    /// Two coordinates.
+    /// The vector with these coordinates.
     #[inline(always)]
     #[must_use]
     pub fn new(x: R, y: R) -> Self {
         Self { x, y }
     }
 
-    /// The square of the length.
+    /// The squared length.
     #[inline(always)]
     #[must_use]
     pub fn length_squared(self) -> R {
         self.x * self.x + self.y * self.y
     }
 
-    /// With a third coordinate.
+    /// Appends a third coordinate.
     #[inline(always)]
     #[must_use]
     pub fn extend(self, z: R) -> Vector3<R> {
@@ -57,7 +58,7 @@ impl<R: Real> Vector2<R> {
 }
 
 impl<R: Real> Vector3<R> {
-    /// Three coordinates.
+    /// The vector with these coordinates.
     #[inline(always)]
     #[must_use]
     pub fn new(x: R, y: R, z: R) -> Self {
@@ -71,14 +72,14 @@ impl<R: Real> Vector3<R> {
         Self { x: number.like(vector.x), y: number.like(vector.y), z: number.like(vector.z) }
     }
 
-    /// A function of each coordinate.
+    /// Applies a function to each coordinate.
     #[inline(always)]
     #[must_use]
     pub fn map(self, function: impl Fn(R) -> R) -> Self {
         Self { x: function(self.x), y: function(self.y), z: function(self.z) }
     }
 
-    /// The inner product.
+    /// The dot product.
     #[inline(always)]
     #[must_use]
     pub fn dot(self, other: Self) -> R {
@@ -96,7 +97,7 @@ impl<R: Real> Vector3<R> {
         }
     }
 
-    /// The square of the length.
+    /// The squared length.
     #[inline(always)]
     #[must_use]
     pub fn length_squared(self) -> R {
@@ -110,7 +111,7 @@ impl<R: Real> Vector3<R> {
         self.length_squared().sqrt()
     }
 
-    /// The magnitudes of the coordinates.
+    /// The absolute values of the coordinates.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
@@ -124,15 +125,15 @@ impl<R: Real> Vector3<R> {
         self.x.max(self.y.max(self.z))
     }
 
-    /// The greater of each pair of coordinates.
+    /// The maximum of each pair of coordinates.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
     }
 
-    /// The unit vector of the same direction, and whether there is one: not of zero, of what is not
-    /// finite, and of lengths whose reciprocal overflows.
+    /// The normalised vector, and whether it is valid. It is not if the length is zero or not
+    /// finite, or if its reciprocal overflows.
     #[inline(always)]
     #[must_use]
     pub fn try_normalize(self) -> (Self, R::Mask) {
@@ -140,14 +141,14 @@ impl<R: Real> Vector3<R> {
         (self * reciprocal, reciprocal.is_finite() & reciprocal.above(0.0))
     }
 
-    /// The unit vector of the same direction; NaN of zero.
+    /// The normalised vector; NaN if the length is zero.
     #[inline(always)]
     #[must_use]
     pub fn normalize(self) -> Self {
         self * self.length().reciprocal()
     }
 
-    /// The unit vector of the same direction, or zero where there is none.
+    /// The normalised vector, or zero if it is not valid.
     #[inline(always)]
     #[must_use]
     pub fn normalize_or_zero(self) -> Self {
@@ -155,12 +156,12 @@ impl<R: Real> Vector3<R> {
         self.normalize_or(Self::new(zero, zero, zero))
     }
 
-    /// The unit vector of the same direction, or `fallback` where there is none.
+    /// The normalised vector, or `fallback` if it is not valid.
     #[inline(always)]
     #[must_use]
     pub fn normalize_or(self, fallback: Self) -> Self {
-        let (unit, exists) = self.try_normalize();
-        Self::select(exists, unit, fallback)
+        let (unit, is_valid) = self.try_normalize();
+        Self::select(is_valid, unit, fallback)
     }
 
     /// Whether all coordinates are finite.
@@ -170,7 +171,7 @@ impl<R: Real> Vector3<R> {
         self.x.is_finite() & self.y.is_finite() & self.z.is_finite()
     }
 
-    /// The first two coordinates.
+    /// Drops the third coordinate.
     #[inline(always)]
     #[must_use]
     pub fn truncate(self) -> Vector2<R> {
@@ -198,7 +199,7 @@ impl<S: Simd> Vector3<Lanes<S>> {
         Self { x, y, z }
     }
 
-    /// Vectors from memory; see [`Lanes::load`].
+    /// Loads from one array per coordinate; see [`Lanes::load`].
     #[inline(always)]
     #[must_use]
     pub fn load(simd: S, arrays: &[LaneArray; 3], first: usize) -> Self {
@@ -206,7 +207,7 @@ impl<S: Simd> Vector3<Lanes<S>> {
         Self { x: load(0), y: load(1), z: load(2) }
     }
 
-    /// Vectors to memory; see [`Lanes::store`].
+    /// Stores to one array per coordinate; see [`Lanes::store`].
     #[inline(always)]
     pub fn store(self, arrays: &mut [LaneArray; 3], first: usize) {
         let [x, y, z] = arrays;
@@ -224,14 +225,14 @@ impl<S: Simd> Vector3<Lanes<S>> {
 }
 
 impl Vector3<f32> {
-    /// Puts the vector in one lane of columns in memory.
+    /// Writes the vector to one lane of the columns.
     #[inline(always)]
     pub fn put(self, arrays: &mut [LaneArray; 3], lane: usize) {
         let [x, y, z] = arrays;
         (x.0[lane], y.0[lane], z.0[lane]) = (self.x, self.y, self.z);
     }
 
-    /// The vector in one lane of columns in memory.
+    /// Reads the vector in one lane of the columns.
     #[inline(always)]
     #[must_use]
     pub fn take(arrays: &[LaneArray; 3], lane: usize) -> Self {
@@ -241,7 +242,7 @@ impl Vector3<f32> {
 }
 
 impl Vector2<f32> {
-    /// Puts the vector in one lane of columns in memory.
+    /// Writes the vector to one lane of the columns.
     #[inline(always)]
     pub fn put(self, arrays: &mut [LaneArray; 2], lane: usize) {
         let [x, y] = arrays;
@@ -257,7 +258,7 @@ impl<S: Simd> Vector2<Lanes<S>> {
         Self { x: Lanes::splat(simd, vector.x), y: Lanes::splat(simd, vector.y) }
     }
 
-    /// Vectors from memory; see [`Lanes::load`].
+    /// Loads from one array per coordinate; see [`Lanes::load`].
     #[inline(always)]
     #[must_use]
     pub fn load(simd: S, arrays: &[LaneArray; 2], first: usize) -> Self {
@@ -265,7 +266,7 @@ impl<S: Simd> Vector2<Lanes<S>> {
         Self { x: load(0), y: load(1) }
     }
 
-    /// Vectors to memory; see [`Lanes::store`].
+    /// Stores to one array per coordinate; see [`Lanes::store`].
     #[inline(always)]
     pub fn store(self, arrays: &mut [LaneArray; 2], first: usize) {
         let [x, y] = arrays;
@@ -374,7 +375,7 @@ impl From<Vector3<f32>> for Vec3 {
     }
 }
 
-/// A right-handed orthonormal basis over any [`Real`]; see [`Frame`](crate::Frame).
+/// A right-handed orthonormal basis, or one per lane; see [`Frame`](crate::Frame).
 #[derive(Clone, Copy, Debug)]
 pub struct Frame3<R> {
     /// The local x axis.
@@ -386,7 +387,7 @@ pub struct Frame3<R> {
 }
 
 impl<R: Real> Frame3<R> {
-    /// Any frame around the unit normal `n`.
+    /// A frame with the unit normal `n` and an arbitrary tangent.
     ///
     /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
     #[inline(always)]
@@ -400,14 +401,14 @@ impl<R: Real> Frame3<R> {
         Self { s, t, n }
     }
 
-    /// The frame around the unit normal `n` whose `s` is as close to `tangent` as it can be; any
-    /// frame where `tangent` is zero, not finite or along the normal.
+    /// The frame with the unit normal `n` whose `s` is as close to `tangent` as possible. The
+    /// tangent is arbitrary if `tangent` is zero, not finite, or parallel to the normal.
     #[inline(always)]
     #[must_use]
     pub fn from_normal_and_tangent(n: Vector3<R>, tangent: Vector3<R>) -> Self {
         let along = tangent - n * n.dot(tangent);
         let length_squared = along.length_squared();
-        // Below this the direction that is left after the subtraction is rounding noise.
+        // Below this threshold, the result of the subtraction is rounding noise.
         let is_direction =
             length_squared.is_finite() & length_squared.gt(tangent.length_squared() * 1e-12);
         let s = along * length_squared.sqrt().reciprocal();
@@ -423,14 +424,14 @@ impl<R: Real> Frame3<R> {
         }
     }
 
-    /// World to local coordinates.
+    /// Transforms from world to local coordinates.
     #[inline(always)]
     #[must_use]
     pub fn to_local(&self, v: Vector3<R>) -> Vector3<R> {
         Vector3::new(self.s.dot(v), self.t.dot(v), self.n.dot(v))
     }
 
-    /// Local to world coordinates.
+    /// Transforms from local to world coordinates.
     #[inline(always)]
     #[must_use]
     pub fn to_world(&self, v: Vector3<R>) -> Vector3<R> {
