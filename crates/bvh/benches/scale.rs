@@ -27,7 +27,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use terrain::{grid, terrain};
 
-/// Rays per measurement, and how often it is repeated.
+/// The number of rays per measurement, and the number of measurements.
 const RAYS: u32 = 1 << 20;
 const ROUNDS: usize = 3;
 
@@ -95,7 +95,7 @@ fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (positions, grid(around, along))
 }
 
-/// A number in [0, 1) for each index.
+/// A pseudorandom number in [0, 1) for each index.
 fn noise(index: u32) -> f32 {
     let mut bits = index.wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
     for _ in 0..2 {

@@ -1,33 +1,33 @@
-//! What a hierarchy is built from, and the primitives that the caller intersects itself.
+//! The input of a build, and the interface to user primitives.
 
-use crate::Bvh;
+use crate::bvh::Bvh;
 use etendue_math::{Bounds3, Ray};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
-/// Borrowed triangles: vertex positions, and three vertex numbers per triangle.
+/// A borrowed triangle mesh: vertex positions, and three vertex indices per triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleMeshView<'a> {
-    /// The vertices.
+    /// The vertex positions.
     pub positions: &'a [Vec3],
-    /// The triangles.
+    /// The vertex indices of each triangle.
     pub indices: &'a [[u32; 3]],
 }
 
-/// One geometry of the ordered list that a hierarchy is built from. Its place in the list is its
-/// number in [`Hit`](crate::Hit).
+/// One geometry of the list that a hierarchy is built from. Its index in the list identifies it in
+/// [`Hit`](crate::Hit).
 #[derive(Clone, Debug)]
 pub enum GeometryView<'a> {
-    /// A triangle mesh. Triangles without area are never hit.
+    /// A triangle mesh. Degenerate triangles are never hit.
     Triangles(TriangleMeshView<'a>),
-    /// Primitives that [`Primitives`] intersects, each given by a box around it. An empty box
-    /// stands for a primitive that is never hit.
+    /// Primitives that [`Primitives`] intersects, given by their bounding boxes. A primitive with
+    /// an empty box is never hit.
     User(&'a [Bounds3]),
-    /// Another hierarchy, placed by a transform. The group must not hold instances itself.
+    /// Another hierarchy, placed by a transform. The group must not contain instances itself.
     Instance {
-        /// The hierarchy; any number of instances may share it.
+        /// The hierarchy, which any number of instances may share.
         group: Arc<Bvh>,
-        /// From the group's space to that of the hierarchy being built.
+        /// Transforms the group's space into the space of the hierarchy being built.
         to_world: Affine3A,
     },
 }
@@ -37,27 +37,27 @@ pub enum GeometryView<'a> {
 pub struct PrimitiveHit {
     /// The ray parameter.
     pub t: f32,
-    /// The first surface parameter, handed through to [`Hit`](crate::Hit).
+    /// The first surface parameter, copied to [`Hit`](crate::Hit).
     pub u: f32,
-    /// The second surface parameter, handed through to [`Hit`](crate::Hit).
+    /// The second surface parameter, copied to [`Hit`](crate::Hit).
     pub v: f32,
 }
 
-/// The user primitives of a hierarchy: the traversal calls these where a ray meets their boxes.
+/// The user primitives of a hierarchy. The traversal calls these where a ray meets their boxes.
 pub trait Primitives {
     /// The nearest hit of `ray` with one primitive, `0 < t < ray.t_max`, or `None`.
     ///
-    /// `ray.t_max` is the nearest hit so far. Inside an instance the ray is in the group's space,
-    /// with the same `t`, and `geometry` counts within the group.
+    /// `ray.t_max` is the distance of the nearest hit so far. Inside an instance the ray is in the
+    /// group's space with the same `t`, and `geometry` is an index into the group.
     fn intersect(&self, geometry: u32, primitive: u32, ray: &Ray) -> Option<PrimitiveHit>;
 
-    /// Whether `ray` hits the primitive at all.
+    /// Whether `ray` hits the primitive.
     fn occludes(&self, geometry: u32, primitive: u32, ray: &Ray) -> bool {
         self.intersect(geometry, primitive, ray).is_some()
     }
 
-    /// As [`Primitives::intersect`] for a primitive of the group of `instance`, for callers whose
-    /// groups hold different primitives under the same numbers.
+    /// As [`Primitives::intersect`], for a primitive in the group of `instance`. Override it if
+    /// different groups use the same indices for different primitives.
     fn intersect_in(
         &self,
         instance: u32,
@@ -69,14 +69,14 @@ pub trait Primitives {
         self.intersect(geometry, primitive, ray)
     }
 
-    /// As [`Primitives::occludes`] for a primitive of the group of `instance`.
+    /// As [`Primitives::occludes`], for a primitive in the group of `instance`.
     fn occludes_in(&self, instance: u32, geometry: u32, primitive: u32, ray: &Ray) -> bool {
         let _ = instance;
         self.occludes(geometry, primitive, ray)
     }
 }
 
-/// For scenes of triangles alone: user primitives, if there are any, are never hit.
+/// For scenes of triangles only: user primitives are never hit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoPrimitives;
 

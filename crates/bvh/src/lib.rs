@@ -1,9 +1,9 @@
 //! Bounding volume hierarchy: builders, wide nodes, watertight traversal, instancing.
 //!
-//! A [`Bvh`] answers two questions about a ray: what it hits first ([`Bvh::intersect`]) and
-//! whether it hits anything ([`Bvh::occluded`]). It is built once from triangle meshes, boxes of
+//! A [`Bvh`] answers two queries about a ray: what it hits first ([`Bvh::intersect`]) and whether
+//! it hits anything ([`Bvh::occluded`]). It is built from triangle meshes, bounding boxes of
 //! primitives that the caller intersects itself ([`Primitives`]), and instances of other
-//! hierarchies; it copies what it needs and is immutable, `Send` and `Sync` afterwards.
+//! hierarchies. It copies what it needs; once built it is immutable, `Send` and `Sync`.
 //!
 //! ```
 //! use etendue_bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, TriangleMeshView};
@@ -20,41 +20,41 @@
 //! # Ok::<(), etendue_bvh::BuildError>(())
 //! ```
 //!
-//! # Watertight
+//! # Watertightness
 //!
 //! No ray passes between two triangles that share an edge or a vertex, wherever the mesh lies and
-//! however the ray is aimed. Two things together make it so:
+//! whatever the direction of the ray. Two properties guarantee this:
 //!
-//! * the triangle test decides on which side of an edge the ray passes by a sign that is exact for
-//!   the projected vertices, and a vertex is projected alike for every triangle that shares it
-//!   (module `triangle`);
-//! * a box is enlarged by more than the rounding of both tests, so that no box is missed in which
-//!   the triangle test would report a hit (module `error_bounds`).
+//! * The triangle test decides on which side of an edge a ray passes by a sign that is exact for
+//!   the projected vertices, and a vertex is projected identically for every triangle that shares
+//!   it (module `triangle`).
+//! * Boxes are padded by more than the rounding errors of both tests, so that no box is missed in
+//!   which the triangle test would report a hit (module `error_bounds`).
 //!
-//! Triangles share an edge if its two vertices are equal in position. Across two *instances* the
-//! promise holds only as far as their transforms agree exactly.
+//! Two triangles share an edge if the positions of its two vertices are equal. Across *instances*
+//! the guarantee holds only as far as their transforms agree exactly.
 //!
-//! # The same hit everywhere
+//! # Determinism
 //!
-//! The nearest hit is a function of the geometry and the ray: where two hits are equally far, the
-//! lower (instance, geometry, primitive) counts. The triangle test rounds alike in every
-//! [`Tier`], so neither the instruction set nor the build options change a hit.
+//! The nearest hit is a function of the geometry and the ray alone. Of hits at equal distances, the
+//! one with the lowest (instance, geometry, primitive) wins. The triangle test rounds identically
+//! in every [`Tier`], so neither the instruction set nor the build options change a hit.
 //!
 //! # Accuracy of a hit
 //!
 //! `t`, `u` and `v` come from sums without cancellation: `u` and `v` are not negative, and their
-//! sum exceeds 1 by no more than rounding. Interpolating the position by the barycentrics, `(1-u-v) p0 + u p1 + v p2`, gives a
-//! point whose coordinates are within γ₇ · (|(1-u-v) p0| + |u p1| + |v p2|) of the triangle's
-//! plane section it stands for, γ₇ = 7ε/(1-7ε) with ε = 2⁻²⁴ (Pharr, Jakob and Humphreys,
-//! *Physically Based Rendering*, 4th ed., section 6.8.5); `origin + t · direction` is less exact
-//! for distant origins.
+//! sum exceeds 1 only by rounding. The interpolated position `(1-u-v) p0 + u p1 + v p2` is within
+//! γ₇ · (|(1-u-v) p0| + |u p1| + |v p2|) of the triangle's plane in each coordinate, where
+//! γ₇ = 7ε/(1-7ε) and ε = 2⁻²⁴ (Pharr, Jakob and Humphreys, *Physically Based Rendering*, 4th ed.,
+//! section 6.8.5). `origin + t · direction` is less accurate for distant origins.
 
 mod build;
 mod bvh;
+mod depth;
 mod error;
 mod error_bounds;
 mod geometry;
-mod instance;
+mod hit;
 mod memory;
 mod node;
 mod options;
@@ -62,12 +62,13 @@ mod simd;
 mod statistics;
 mod traverse;
 mod triangle;
-mod triangle_numbers;
+mod triangle_ids;
 mod validate;
 
-pub use bvh::{Bvh, Hit};
+pub use bvh::Bvh;
 pub use error::BuildError;
 pub use geometry::{GeometryView, NoPrimitives, PrimitiveHit, Primitives, TriangleMeshView};
+pub use hit::Hit;
 pub use options::BuildOptions;
 pub use simd::Tier;
 pub use statistics::Statistics;

@@ -1,10 +1,9 @@
-//! Memory for large arrays.
+//! Allocation of large arrays.
 
 use rayon::prelude::*;
 
-/// An empty vector with room for `capacity` items, in large pages where the system has them for
-/// those who ask: fewer page faults while it is filled, and fewer misses of the address cache when
-/// rays touch it all over.
+/// An empty vector with room for `capacity` items. Requests huge pages where the system grants them
+/// on request: filling the vector causes fewer page faults, and random access fewer TLB misses.
 pub(crate) fn vector_with_capacity<T>(capacity: usize) -> Vec<T> {
     let mut vector = Vec::with_capacity(capacity);
     #[cfg(target_os = "linux")]
@@ -12,12 +11,12 @@ pub(crate) fn vector_with_capacity<T>(capacity: usize) -> Vec<T> {
     vector
 }
 
-/// The items of all parts, one part after the other, written by several threads at once, and room
-/// for some more. `length` says how many items a part has, and `items` makes just as many.
+/// Concatenates the items of all parts in parallel, and reserves room for `room` more items.
+/// `length` must return the number of items that `items` yields for a part.
 ///
 /// # Panics
 ///
-/// Where `items` makes more or fewer.
+/// If `items` yields more or fewer items than `length` says.
 pub(crate) fn concatenate<'a, P: Sync, T: Send, I: Iterator<Item = T>>(
     parts: &'a [P],
     room: usize,
@@ -40,9 +39,9 @@ pub(crate) fn concatenate<'a, P: Sync, T: Send, I: Iterator<Item = T>>(
             slots[written].write(item);
             written += 1;
         });
-        assert_eq!(written, slots.len(), "a part has another length");
+        assert_eq!(written, slots.len(), "a part has a different length");
     });
-    // SAFETY: each of the `total` slots belonged to a part, and every part has written all of its own.
+    // SAFETY: each of the `total` slots belongs to one part, and every part has filled its slots.
     unsafe { vector.set_len(total) };
     vector
 }
@@ -59,8 +58,8 @@ mod linux {
         fn madvise(address: *mut c_void, length: usize, advice: c_int) -> c_int;
     }
 
-    /// Asks for large pages in the part of `memory` that they can cover. A refusal changes
-    /// nothing.
+    /// Advises the kernel to use huge pages for the part of `memory` that they can cover. Failure
+    /// has no effect.
     pub(super) fn advise_large_pages<T>(memory: &mut [MaybeUninit<T>]) {
         let length = size_of_val(memory);
         let start: *mut u8 = memory.as_mut_ptr().cast();
@@ -69,7 +68,7 @@ mod linux {
             return;
         }
         let covered = (length - skip) / LARGE_PAGE * LARGE_PAGE;
-        // SAFETY: the range lies in memory that is ours, and the advice leaves its content alone.
+        // SAFETY: the range is inside our own memory, and the advice does not change its content.
         unsafe { madvise(start.add(skip).cast(), covered, MADV_HUGEPAGE) };
     }
 }

@@ -1,38 +1,38 @@
-//! The nodes and leaves as they lie in memory.
+//! The memory layout of nodes and leaves.
 
 use etendue_math::Bounds3;
 use glam::Vec3;
 
-/// How many children a node has at most, and how many triangles a block.
+/// The maximum number of children of a node, and of triangles in a block.
 pub(crate) const WIDTH: usize = 8;
 
-/// One number for each child of a node or each triangle of a block.
+/// One value per child of a node, or per triangle of a block.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct F32x8(pub(crate) [f32; WIDTH]);
 
-/// Up to eight children: their boxes as a structure of arrays, and what they are.
+/// A wide node: the boxes of up to eight children in structure-of-arrays layout, and the children.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     /// The planes min x, max x, min y, max y, min z, max z; an empty slot has min = ∞, max = -∞.
     pub(crate) planes: [F32x8; 6],
-    /// What the slots hold.
+    /// The contents of the slots.
     pub(crate) children: [Child; WIDTH],
 }
 
 const _: () = assert!(size_of::<Node>() == 256);
 
-/// What a slot of a node holds, in one word: another node, a block of triangles, or up to
+/// The content of a slot, packed into one word: another node, a block of triangles, or up to
 /// [`Child::MAX_CUSTOM`] user primitives and instances.
 ///
-/// Nodes and blocks are named by their distance from the first, in units of 8 and 32 bytes, because
-/// the multiplication of an index would be on the longest chain of a traversal.
+/// Nodes and blocks are addressed by their offsets from the first, in units of 8 and 32 bytes: the
+/// multiplication of an index would lengthen the critical path of the traversal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub(crate) struct Child(pub(crate) u32);
 
-/// How many there are of everything that a [`Child`] may name.
+/// The lengths of all arrays that a [`Child`] may refer to.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lengths {
     pub(crate) nodes: usize,
@@ -50,14 +50,14 @@ impl Lengths {
     }
 }
 
-/// [`Child`], spelled out.
+/// [`Child`], unpacked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ChildKind {
-    /// The node with this number.
+    /// The node with this index.
     Node(usize),
-    /// The block with this number.
+    /// The block with this index.
     Block(usize),
-    /// These entries of the custom list.
+    /// These entries of the list of custom primitives.
     Custom { first: usize, count: usize },
 }
 
@@ -70,19 +70,19 @@ impl Child {
     const NODE_UNITS: usize = size_of::<Node>() / Self::NODE_UNIT;
     const BLOCK_UNITS: usize = size_of::<TriangleBlock>() / Self::BLOCK_UNIT;
 
-    /// No more nodes than this.
+    /// The maximum number of nodes.
     pub(crate) const MAX_NODES: usize = (1 << 31) / Self::NODE_UNITS;
-    /// No more blocks than this.
+    /// The maximum number of blocks.
     pub(crate) const MAX_BLOCKS: usize = (1 << 30) / Self::BLOCK_UNITS;
-    /// No more custom entries than this.
+    /// The maximum number of custom entries.
     pub(crate) const MAX_CUSTOM_ENTRIES: usize = 1 << Self::COUNT_SHIFT;
-    /// No more custom entries in one leaf than this.
+    /// The maximum number of custom entries in one leaf.
     pub(crate) const MAX_CUSTOM: usize = 4;
 
-    /// An empty slot: a custom leaf without entries, harmless if visited.
+    /// An empty slot: a custom leaf without entries, which is harmless to visit.
     pub(crate) const EMPTY: Self = Self(Self::LEAF | Self::CUSTOM);
 
-    /// No child: what lies below all that wait, and ends a traversal.
+    /// A sentinel at the bottom of the traversal stack that ends the traversal.
     pub(crate) const END: Self = Self(Self::LEAF | Self::CUSTOM | 7 << Self::COUNT_SHIFT);
 
     pub(crate) fn node(index: usize) -> Self {
@@ -100,7 +100,7 @@ impl Child {
         Self(Self::LEAF | Self::CUSTOM | (count as u32) << Self::COUNT_SHIFT | first as u32)
     }
 
-    /// The same child where all that it may name lies further behind.
+    /// The same child after the arrays that it refers to have moved back by `by`.
     pub(crate) fn moved(self, by: &Lengths) -> Self {
         let units = match self.kind() {
             ChildKind::Node(_) => by.nodes * Self::NODE_UNITS,
@@ -121,21 +121,21 @@ impl Child {
         self.0 & (Self::LEAF | Self::CUSTOM) == Self::LEAF
     }
 
-    /// The distance of a node from the first in bytes.
+    /// The offset of a node from the first, in bytes.
     #[inline(always)]
     pub(crate) fn node_offset(self) -> usize {
         self.0 as usize * Self::NODE_UNIT
     }
 
-    /// The block.
+    /// The block that this child refers to.
     ///
     /// # Safety
     ///
-    /// `self` must have been made for one of `blocks`.
+    /// `self` must refer to one of `blocks`.
     #[inline(always)]
     pub(crate) unsafe fn block_of(self, blocks: &[TriangleBlock]) -> &TriangleBlock {
         let offset = (self.0 & !Self::LEAF) as usize * Self::BLOCK_UNIT;
-        // SAFETY: `Child::block` has made the distance of a block of the slice, says the caller.
+        // SAFETY: the caller guarantees that this is the offset of a block of the slice.
         unsafe { &*blocks.as_ptr().cast::<u8>().add(offset).cast::<TriangleBlock>() }
     }
 
@@ -154,10 +154,10 @@ impl Child {
 }
 
 impl Node {
-    /// The children as plain words.
+    /// The children as raw words.
     #[inline(always)]
     pub(crate) fn words(&self) -> &[u32; WIDTH] {
-        // SAFETY: `Child` is a `u32` by its representation.
+        // SAFETY: `Child` is a transparent wrapper of `u32`.
         unsafe { &*(&raw const self.children).cast() }
     }
 
@@ -178,7 +178,7 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// The same node where all that its children may name lies further behind.
+    /// The same node after the arrays that its children refer to have moved back by `by`.
     pub(crate) fn moved(&self, by: &Lengths) -> Self {
         Self { planes: self.planes, children: self.children.map(|child| child.moved(by)) }
     }
@@ -195,41 +195,42 @@ impl Node {
     }
 }
 
-/// A leaf of one to eight triangles, each with a name of its own.
+/// A leaf of one to eight triangles.
 ///
-/// Unused lanes have the name of the first, and its first edge as a triangle without area: of the
-/// edge functions one is zero then, and the others are each other's negative to the last bit, so
-/// that no ray passes inside. Where they repeated the whole triangle, rays that hit it had to choose
+/// Unused lanes repeat the id of the first triangle, and its first edge as a degenerate triangle:
+/// one of its edge functions is zero, and the other two are exact negatives of each other, so no
+/// ray passes inside. If they repeated the whole triangle, rays that hit it would have to choose
 /// between equal hits.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
-    /// The coordinates: vertex, axis, lane.
+    /// The coordinates, indexed by vertex, axis and lane.
     pub(crate) vertices: [[F32x8; 3]; 3],
-    /// What each lane is, in [`TriangleNumbers`](crate::triangle_numbers::TriangleNumbers).
-    pub(crate) names: [u32; WIDTH],
+    /// The id of the triangle in each lane; see
+    /// [`TriangleIds`](crate::triangle_ids::TriangleIds).
+    pub(crate) ids: [u32; WIDTH],
 }
 
 const _: () = assert!(size_of::<TriangleBlock>() == 320);
 const _: () = assert!(size_of::<TriangleBlock>().is_multiple_of(Child::BLOCK_UNIT));
 
 impl TriangleBlock {
-    /// A block of zeros.
+    /// A block with all coordinates zero.
     pub(crate) const EMPTY: Self =
-        Self { vertices: [[F32x8([0.0; WIDTH]); 3]; 3], names: [u32::MAX; WIDTH] };
+        Self { vertices: [[F32x8([0.0; WIDTH]); 3]; 3], ids: [u32::MAX; WIDTH] };
 
-    pub(crate) fn set(&mut self, lane: usize, name: u32, corners: [Vec3; 3]) {
+    pub(crate) fn set(&mut self, lane: usize, id: u32, corners: [Vec3; 3]) {
         for (vertex, corner) in self.vertices.iter_mut().zip(corners) {
             for axis in 0..3 {
                 vertex[axis].0[lane] = corner[axis];
             }
         }
-        self.names[lane] = name;
+        self.ids[lane] = id;
     }
 
     /// Whether a triangle is in the lane.
     pub(crate) fn is_used(&self, lane: usize) -> bool {
-        lane == 0 || self.names[lane] != self.names[0]
+        lane == 0 || self.ids[lane] != self.ids[0]
     }
 
     pub(crate) fn vertex(&self, vertex: usize, lane: usize) -> Vec3 {
@@ -238,12 +239,12 @@ impl TriangleBlock {
     }
 }
 
-/// A user primitive or, with `primitive` = `u32::MAX` and `instance` in its place, an instance.
+/// An entry of a custom leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Custom {
     /// A primitive that the caller intersects.
     User { geometry: u32, primitive: u32 },
-    /// The entry of the list of instances.
+    /// An index into the list of instances.
     Instance { index: u32 },
 }
 
@@ -252,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_child_says_what_it_was_made_of() {
+    fn a_child_unpacks_to_what_it_was_packed_from() {
         assert_eq!(Child::node(77).kind(), ChildKind::Node(77));
         assert_eq!(Child::block(77).kind(), ChildKind::Block(77));
         assert_eq!(Child::custom(77, 4).kind(), ChildKind::Custom { first: 77, count: 4 });

@@ -1,4 +1,4 @@
-//! Eight numbers at a time, by the instructions that the machine has.
+//! Eight-lane SIMD arithmetic, with one implementation per instruction set.
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx2;
@@ -12,19 +12,19 @@ pub(crate) mod wide_avx512;
 
 use crate::node::{F32x8, WIDTH};
 
-/// Which instructions the traversal uses. The hits do not depend on it.
+/// The instruction set that the traversal uses. Hits do not depend on it.
 ///
-/// Arm is served by the portable tier.
+/// Arm uses the portable tier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Tier {
-    /// What every machine has.
+    /// What every machine supports.
     Portable,
     /// x86-64 with AVX2, FMA, BMI1 and BMI2.
     Avx2,
-    /// What `Avx2` says, and AVX-512 with F, VL, DQ and BW: for one ray the same eight lanes, with
-    /// twice the registers, by which any hit is found a twentieth faster and the nearest no faster;
-    /// packets have sixteen rays instead of eight.
+    /// As `Avx2`, plus AVX-512 F, VL, DQ and BW. Single rays use the same eight lanes with twice as
+    /// many registers, which makes any-hit queries 5 % faster and nearest-hit queries no faster.
+    /// Packets have sixteen rays instead of eight.
     Avx512,
 }
 
@@ -64,19 +64,19 @@ impl Tier {
     }
 }
 
-/// The operations of one tier on eight lanes. All round to nearest; all but [`Simd::multiply_add`] give the same bits in
-/// every tier.
+/// Eight-lane operations of one tier. All round to nearest. All but [`Simd::multiply_add`] give the
+/// same bits in every tier.
 pub(crate) trait Simd {
-    /// Eight numbers.
+    /// Eight floats.
     type Vector: Copy;
-    /// Eight answers.
+    /// Eight booleans.
     type Mask: Copy;
 
-    /// The same number in all lanes.
+    /// The same value in all lanes.
     fn splat(value: f32) -> Self::Vector;
-    /// Eight numbers from memory.
+    /// Loads eight floats.
     fn load(lanes: &F32x8) -> Self::Vector;
-    /// Eight numbers to memory.
+    /// Stores eight floats.
     fn store(vector: Self::Vector) -> F32x8;
     /// `a + b`.
     fn add(a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -88,37 +88,37 @@ pub(crate) trait Simd {
     fn divide(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `a · b + c`, with one rounding or two.
     fn multiply_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// The lesser of the two, and `b` if either is not a number.
-    fn least(a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The greater of the two, and `b` if either is not a number.
-    fn greatest(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The lesser of the two, or `b` if either is NaN.
+    fn min(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The greater of the two, or `b` if either is NaN.
+    fn max(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `|a|`.
-    fn absolute(a: Self::Vector) -> Self::Vector;
+    fn abs(a: Self::Vector) -> Self::Vector;
     /// Where `a < b`.
     fn less(a: Self::Vector, b: Self::Vector) -> Self::Mask;
     /// Where `a ≤ b`.
     fn less_equal(a: Self::Vector, b: Self::Vector) -> Self::Mask;
-    /// Where both are so.
+    /// Where both masks are set.
     fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// Where `a` is so and `b` is not.
+    /// Where `a` is set and `b` is not.
     fn and_not(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// A bit for each lane, the first lane in the lowest bit.
-    fn bits(mask: Self::Mask) -> u32;
-    /// `a` where the mask is so, and `b` elsewhere.
+    /// One bit per lane, the first lane in the lowest bit.
+    fn bitmask(mask: Self::Mask) -> u32;
+    /// `a` where the mask is set, `b` elsewhere.
     fn select(mask: Self::Mask, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The least of the eight, all of which must be numbers.
-    fn least_lane(vector: Self::Vector) -> f32;
-    /// Writes those of eight words that the mask names, in order, to eight words from `to` on; what
-    /// the others become is not said.
+    /// The minimum of the eight lanes, none of which may be NaN.
+    fn reduce_min(vector: Self::Vector) -> f32;
+    /// Packs the words whose bit is set in `mask` to the front, and writes eight words to `to`. The
+    /// words after the packed ones are unspecified.
     ///
     /// # Safety
     ///
-    /// There must be room for eight words at `to`.
+    /// `to` must be valid for writes of eight words.
     unsafe fn compress(words: &[u32; WIDTH], mask: u32, to: *mut u32);
 }
 
-/// For each set of lanes, their numbers in order; the rest is 0.
-pub(crate) static PLACES: [[u8; WIDTH]; 256] = {
+/// For each bitmask, the indices of its set lanes in ascending order, padded with 0.
+pub(crate) static COMPRESSED_LANES: [[u8; WIDTH]; 256] = {
     let mut places = [[0; WIDTH]; 256];
     let mut mask = 0;
     while mask < 256 {

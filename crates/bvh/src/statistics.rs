@@ -1,38 +1,46 @@
-//! Counts that describe a hierarchy.
+//! Statistics of a hierarchy.
 
-use crate::Bvh;
+use crate::bvh::Bvh;
 use crate::node::{Child, ChildKind, WIDTH};
 
-/// Counts that describe a hierarchy, and what a random ray costs in it.
+/// Counts that describe a hierarchy, and the expected cost of a random ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Inner nodes.
     pub nodes: usize,
-    /// Children per node, on average, of the 8 there could be.
+    /// The average number of children per node, out of 8.
     pub children_per_node: f32,
     /// Blocks of triangles.
     pub blocks: usize,
-    /// Triangles in the blocks; spatial splits count a triangle more than once.
+    /// Triangles in the blocks. Spatial splits count a triangle more than once.
     pub triangle_references: usize,
-    /// Triangles per block, on average, of the 8 there could be.
+    /// The average number of triangles per block, out of 8.
     pub triangles_per_block: f32,
     /// User primitives and instances.
     pub custom: usize,
-    /// Nodes on the longest way from the root.
+    /// The number of nodes on the longest path from the root.
     pub depth: usize,
-    /// How many nodes a random line through the bounds visits, on average.
+    /// The expected number of nodes that a random line through the bounds visits.
     pub expected_nodes: f32,
-    /// How many blocks a random line through the bounds visits, on average.
+    /// The expected number of blocks that a random line through the bounds visits.
     pub expected_blocks: f32,
 }
 
+impl Bvh {
+    /// Counts that describe the hierarchy.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        Statistics::of(self)
+    }
+}
+
 impl Statistics {
-    pub(crate) fn of(bvh: &Bvh) -> Self {
+    fn of(bvh: &Bvh) -> Self {
         let whole = bvh.bounds.half_area().max(f32::MIN_POSITIVE);
         let (mut children, mut depth) = (0, 0);
         let (mut nodes_area, mut blocks_area) = (whole, 0.0);
-        let mut waiting = vec![(0, 1)];
-        while let Some((index, level)) = waiting.pop() {
+        let mut stack = vec![(0, 1)];
+        while let Some((index, level)) = stack.pop() {
             depth = depth.max(level);
             let node = &bvh.nodes[index];
             for slot in (0..WIDTH).filter(|&slot| node.children[slot] != Child::EMPTY) {
@@ -41,7 +49,7 @@ impl Statistics {
                 match node.children[slot].kind() {
                     ChildKind::Node(child) => {
                         nodes_area += area;
-                        waiting.push((child, level + 1));
+                        stack.push((child, level + 1));
                     }
                     ChildKind::Block(_) => blocks_area += area,
                     ChildKind::Custom { .. } => {}

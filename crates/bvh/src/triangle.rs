@@ -1,63 +1,63 @@
-//! The watertight triangle test, eight triangles at a time.
+//! The watertight triangle test, for eight triangles at once.
 //!
 //! After Woop, Benthin and Wald, *Watertight Ray/Triangle Intersection* (JCGT 2013): vertices are
-//! moved to the ray's origin and sheared so that the ray runs along an axis; the signs of three
-//! two-dimensional edge functions then tell whether it passes inside.
+//! translated to the ray's origin and sheared so that the ray runs along an axis. The signs of
+//! three two-dimensional edge functions then tell whether the ray passes inside.
 //!
-//! * A vertex's sheared position depends on the vertex and the ray alone, so triangles that share
-//!   it see it at the same place, and the sheared mesh has no gaps.
-//! * An edge function is `fl(a·b) - fl(c·d)`, without fused operations. Rounding is monotonous, so
-//!   a result above zero means `a·b > c·d` exactly, one below zero the opposite, and seen from the
-//!   neighbour its sign is exactly reversed. Zero leaves the side open and counts as inside for
-//!   both neighbours.
-//! * If the sum of the three is zero, or near the ends of the range, they are computed again from
-//!   the same sheared positions in `f64`, where the products are exact.
+//! * The sheared position of a vertex depends on the vertex and the ray alone. Triangles that share
+//!   a vertex see it at the same position, so the sheared mesh has no gaps.
+//! * An edge function is `fl(a·b) - fl(c·d)`, without fused operations. Rounding is monotonic: a
+//!   positive result means `a·b > c·d` exactly, a negative one the opposite, and the neighbouring
+//!   triangle gets exactly the opposite sign. Zero is undecided and counts as inside for both
+//!   neighbours.
+//! * If the sum of the three is zero, or close to underflow or overflow, they are computed again
+//!   from the same sheared positions in `f64`, where the products are exact.
 //!
-//! So a triangle is hit at least wherever the exact test of the sheared mesh would hit it.
+//! So a triangle is hit wherever the exact test of the sheared mesh would hit it.
 
 use crate::node::{F32x8, TriangleBlock, WIDTH};
 use crate::simd::Simd;
 use crate::simd::portable::Portable;
 use crate::traverse::ray::RayConstants;
 
-/// What single precision leaves open of some lanes, decided in double precision.
+/// The result for the lanes that single precision cannot decide, computed in double precision.
 pub(crate) struct Resolved {
     /// A bit for each lane that is hit with `0 < t ≤ t_max`.
     pub(crate) mask: u32,
-    /// The distance of each lane.
+    /// The distance in each lane.
     pub(crate) t: F32x8,
-    /// The edge function opposite to vertex 1, over the sum of the three.
+    /// The edge function opposite vertex 1, divided by the sum of all three.
     pub(crate) v: F32x8,
-    /// The edge function opposite to vertex 2, over the sum of the three.
+    /// The edge function opposite vertex 2, divided by the sum of all three.
     pub(crate) w: F32x8,
 }
 
-/// Two coordinates across the ray and the distance along it, for eight vertices.
+/// Eight sheared vertices: two coordinates across the ray, and the distance along it.
 type Sheared<S> = [<S as Simd>::Vector; 3];
 
-/// A block of which some lane may be hit. The division of `v` and `w` by the determinant is left
-/// to the end of the traversal.
+/// The result for a block in which some lane may be hit. `v` and `w` are divided by the determinant
+/// only at the end of the traversal.
 pub(crate) struct Candidates<S: Simd> {
-    /// A bit for each lane that is hit for certain with `0 < t ≤ t_max`.
+    /// A bit for each lane that is certainly hit with `0 < t ≤ t_max`.
     pub(crate) mask: u32,
     /// The lanes that single precision cannot decide.
-    pub(crate) doubtful: u32,
-    /// The distance of each lane that is hit for certain, and infinity in the others.
+    pub(crate) uncertain: u32,
+    /// The distance in each lane that is certainly hit, infinity in the others.
     pub(crate) t: S::Vector,
-    /// The edge function opposite to vertex 1.
+    /// The edge function opposite vertex 1.
     pub(crate) v: S::Vector,
-    /// The edge function opposite to vertex 2.
+    /// The edge function opposite vertex 2.
     pub(crate) w: S::Vector,
     /// The sum of the three edge functions.
     pub(crate) determinant: S::Vector,
 }
 
-/// Below this determinant the edge functions lose digits, or all, to underflow.
-pub(crate) const LEAST_SOUND: f32 = 1e-30;
-/// Above this one its inverse does.
-pub(crate) const GREATEST_SOUND: f32 = 1e37;
+/// Below this determinant, the edge functions lose precision to underflow.
+pub(crate) const MIN_DETERMINANT: f32 = 1e-30;
+/// Above this determinant, its inverse loses precision to underflow.
+pub(crate) const MAX_DETERMINANT: f32 = 1e37;
 
-/// Tests a block against the ray; `None` where the ray passes outside of all lanes.
+/// Tests a block against the ray. Returns `None` if the ray misses all lanes.
 #[inline(always)]
 pub(crate) fn intersect_block<S: Simd>(
     block: &TriangleBlock,
@@ -70,33 +70,33 @@ pub(crate) fn intersect_block<S: Simd>(
     let u = edge_function::<S>(&c, &b);
     let v = edge_function::<S>(&a, &c);
     let w = edge_function::<S>(&b, &a);
-    // Outside where there are edge functions of both signs. The operands are so placed that one
-    // which is not a number is passed over; the sum will find it.
+    // Outside if edge functions have both signs. The order of the operands makes `min` and `max`
+    // ignore a NaN; the sum detects it below.
     let zero = S::splat(0.0);
-    let least = S::least(u, S::least(v, w));
-    let greatest = S::greatest(u, S::greatest(v, w));
-    let outside = S::and(S::less(least, zero), S::less(zero, greatest));
-    let inside = !S::bits(outside) & 0xff;
+    let min = S::min(u, S::min(v, w));
+    let max = S::max(u, S::max(v, w));
+    let outside = S::and(S::less(min, zero), S::less(zero, max));
+    let inside = !S::bitmask(outside) & 0xff;
     if inside == 0 {
         return None;
     }
     let determinant = S::add(u, S::add(v, w));
-    let absolute = S::absolute(determinant);
-    let sound = S::and(
-        S::less(S::splat(LEAST_SOUND), absolute),
-        S::less(absolute, S::splat(GREATEST_SOUND)),
+    let magnitude = S::abs(determinant);
+    let certain = S::and(
+        S::less(S::splat(MIN_DETERMINANT), magnitude),
+        S::less(magnitude, S::splat(MAX_DETERMINANT)),
     );
-    // One division at the end instead would shorten the chain; only primary rays were faster (a
-    // fiftieth), and the products would leave the range sooner.
+    // A single division at the end would shorten the critical path, but only primary rays were
+    // faster (2 %), and the products would overflow sooner.
     let inverse = S::divide(S::splat(1.0), determinant);
     let along =
         |edge: S::Vector, vertex: &Sheared<S>| S::multiply(S::multiply(edge, inverse), vertex[2]);
     let t = S::add(along(u, &a), S::add(along(v, &b), along(w, &c)));
     let within = S::and(S::less(zero, t), S::less_equal(t, S::splat(t_max)));
-    let hit = S::and(S::and_not(sound, outside), within);
+    let hit = S::and(S::and_not(certain, outside), within);
     Some(Candidates {
-        mask: S::bits(hit),
-        doubtful: inside & !S::bits(sound),
+        mask: S::bitmask(hit),
+        uncertain: inside & !S::bitmask(certain),
         t: S::select(hit, t, S::splat(f32::INFINITY)),
         v,
         w,
@@ -109,10 +109,10 @@ impl<S: Simd> Candidates<S> {
     #[inline(always)]
     pub(crate) fn any(&self, block: &TriangleBlock, ray: &RayConstants, t_max: f32) -> bool {
         self.mask != 0
-            || (self.doubtful != 0 && resolve(self.doubtful, block, ray, t_max).mask != 0)
+            || (self.uncertain != 0 && resolve(self.uncertain, block, ray, t_max).mask != 0)
     }
 
-    /// Decides the doubtful lanes of the block that they were found in.
+    /// Decides the uncertain lanes. `block` must be the one that was tested.
     #[inline(always)]
     pub(crate) fn resolve(
         &self,
@@ -120,7 +120,7 @@ impl<S: Simd> Candidates<S> {
         ray: &RayConstants,
         t_max: f32,
     ) -> Resolved {
-        resolve(self.doubtful, block, ray, t_max)
+        resolve(self.uncertain, block, ray, t_max)
     }
 }
 
@@ -141,15 +141,15 @@ fn edge_function<S: Simd>(p: &Sheared<S>, q: &Sheared<S>) -> S::Vector {
     S::subtract(S::multiply(p[0], q[1]), S::multiply(p[1], q[0]))
 }
 
-/// Decides the lanes of `doubtful` in `f64`. Rare: the ray meets a triangle edge-on, or the
-/// coordinates are so large or small that products leave the range of `f32`.
+/// Decides the lanes of `uncertain` in `f64`. Rare: the ray meets a triangle edge-on, or the
+/// coordinates are so large or small that products overflow or underflow in `f32`.
 ///
-/// The sheared positions are computed anew, as kept ones took registers from the lanes that are not
-/// doubtful; they are the same in every tier.
+/// The sheared positions are recomputed: keeping them took registers from the common path. They
+/// are the same in every tier.
 #[cold]
 #[inline(never)]
 pub(crate) fn resolve(
-    doubtful: u32,
+    uncertain: u32,
     block: &TriangleBlock,
     ray: &RayConstants,
     t_max: f32,
@@ -157,7 +157,7 @@ pub(crate) fn resolve(
     let vertices = [0, 1, 2].map(|vertex| shear::<Portable>(block, vertex, ray).map(F32x8));
     let none = F32x8([0.0; WIDTH]);
     let mut hits = Resolved { mask: 0, t: none, v: none, w: none };
-    for lane in (0..WIDTH).filter(|lane| doubtful >> lane & 1 != 0) {
+    for lane in (0..WIDTH).filter(|lane| uncertain >> lane & 1 != 0) {
         let [a, b, c] = [0, 1, 2].map(|k| vertices[k].each_ref().map(|x| f64::from(x.0[lane])));
         let edge_function = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
         let (u, v, w) = (edge_function(c, b), edge_function(a, c), edge_function(b, a));

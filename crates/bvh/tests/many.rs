@@ -1,6 +1,5 @@
-//! Many rays at once find what each of them finds alone, to the last bit: random, coherent, aimed
-//! where triangles meet, without a number in them; in small trees and large ones, beside user
-//! primitives and instances.
+//! Batches of rays give the same hits as single rays, to the last bit: random, coherent and invalid
+//! rays, and rays aimed at edges; in small and large trees, with user primitives and instances.
 
 mod common;
 
@@ -12,7 +11,7 @@ use etendue_math::{Bounds3, Ray};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
-/// Traces the rays in batches of many sizes and alone; returns how many hit.
+/// Traces the rays in batches of many sizes and singly. Returns the number of hits.
 fn agree(bvh: &Bvh, rays: &[Ray], primitives: &impl Primitives) -> usize {
     let expected: Vec<Option<Hit>> =
         rays.iter().map(|ray| bvh.intersect(ray, primitives)).collect();
@@ -52,7 +51,7 @@ fn view(mesh: &ClosedMesh) -> GeometryView<'_> {
     GeometryView::Triangles(TriangleMeshView { positions, indices })
 }
 
-/// From one point to all places of a small square, line by line, then from places nearby to one.
+/// From one point to all points of a small square, row by row; then from points nearby to one point.
 fn coherent_rays(random: &mut Random, reach: f32) -> Vec<Ray> {
     let mut rays = Vec::new();
     for _ in 0..40 {
@@ -70,7 +69,7 @@ fn coherent_rays(random: &mut Random, reach: f32) -> Vec<Ray> {
 }
 
 #[test]
-fn rays_together_hit_soup_as_they_do_alone() {
+fn batches_hit_random_triangles_as_single_rays_do() {
     let mut random = Random::new(71);
     for (count, size) in [(1, 5.0), (9, 5.0), (40, 5.0), (300, 3.0), (3000, 1.0)] {
         let positions: Vec<Vec3> = (0..count)
@@ -92,7 +91,7 @@ fn rays_together_hit_soup_as_they_do_alone() {
 }
 
 #[test]
-fn rays_together_do_not_leave_a_closed_mesh() {
+fn batches_do_not_leave_a_closed_mesh() {
     let mut random = Random::new(72);
     let mut meshes = closed_meshes(&mut random);
     let closed = meshes.len();
@@ -107,9 +106,9 @@ fn rays_together_do_not_leave_a_closed_mesh() {
     }
 }
 
-/// Squares that lie on each other, whose halves share an edge.
+/// Coincident squares, each of two triangles that share an edge.
 #[test]
-fn the_lowest_number_counts_where_hits_are_equally_far() {
+fn the_lowest_primitive_wins_at_equal_distances() {
     let mut random = Random::new(73);
     let mut positions = Vec::new();
     let mut indices = Vec::new();
@@ -143,7 +142,7 @@ fn the_lowest_number_counts_where_hits_are_equally_far() {
     }
 }
 
-/// Squares across z, each hit at its height; some lie where the triangles do.
+/// Squares parallel to the xy plane; some coincide with triangles.
 struct Squares(Vec<f32>);
 
 impl Squares {
@@ -163,7 +162,7 @@ impl Primitives for Squares {
 }
 
 #[test]
-fn primitives_and_instances_are_hit_together_as_alone() {
+fn batches_hit_primitives_and_instances_as_single_rays_do() {
     let mut random = Random::new(74);
     let corners = [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]];
     let positions: Vec<Vec3> = (0..40)
@@ -204,7 +203,7 @@ fn primitives_and_instances_are_hit_together_as_alone() {
 }
 
 #[test]
-fn rays_that_are_none_are_passed_over_among_others() {
+fn invalid_rays_in_a_batch_hit_nothing() {
     let mut random = Random::new(75);
     for levels in [0, 4] {
         let mesh = ClosedMesh::new(&mut random, levels, 0.2, 2.0, Vec3::ZERO);

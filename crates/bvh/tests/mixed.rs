@@ -1,4 +1,4 @@
-//! Instances, user primitives beside triangles, degenerate geometry, threads.
+//! Instances, user primitives with triangles, degenerate geometry, threads.
 
 mod common;
 
@@ -44,7 +44,7 @@ fn mesh(seed: u64, levels: u32) -> ClosedMesh {
 }
 
 #[test]
-fn user_primitives_are_hit_beside_triangles() {
+fn user_primitives_and_triangles_are_hit_in_one_hierarchy() {
     let mut random = Random::new(21);
     let spheres = Spheres::random(&mut random, 60);
     let (mesh, boxes) = (mesh(22, 3), spheres.bounds());
@@ -80,7 +80,7 @@ fn user_primitives_are_hit_beside_triangles() {
 }
 
 #[test]
-fn instances_are_hit_as_transformed_copies() {
+fn instances_are_hit_like_transformed_copies() {
     let mut random = Random::new(31);
     let mesh = mesh(32, 2);
     let group = Arc::new(Bvh::build(&[view(&mesh)], &BuildOptions::default()).expect("valid"));
@@ -125,13 +125,13 @@ fn instances_are_hit_as_transformed_copies() {
             let same = (hit.instance, hit.primitive) == (expected.geometry, expected.primitive);
             different += usize::from(!same);
         }
-        // The transforms round otherwise than the transformed vertices: a few rays at edges differ.
+        // Transformed rays and transformed vertices round differently: a few rays at edges differ.
         assert!(hits > 200 && different < 5, "{hits} hits, {different} different");
     }
 }
 
 #[test]
-fn instances_of_instances_and_flat_transforms_are_refused() {
+fn nested_instances_and_singular_transforms_are_rejected() {
     let mesh = mesh(33, 1);
     let group = Arc::new(Bvh::build(&[view(&mesh)], &BuildOptions::FAST).expect("valid"));
     let place = |group: &Arc<Bvh>, to_world| {
@@ -162,7 +162,7 @@ fn the_hierarchy_does_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn thousands_of_identical_triangles_are_one_hit() {
+fn thousands_of_identical_triangles_give_one_hit() {
     let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let indices = vec![[0, 1, 2]; 5_000];
     for preset in PRESETS {
@@ -179,7 +179,7 @@ fn thousands_of_identical_triangles_are_one_hit() {
 }
 
 #[test]
-fn triangles_without_area_are_never_hit_and_do_no_harm() {
+fn degenerate_triangles_are_never_hit() {
     let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::X * 2.0, Vec3::splat(1e-40)];
     let indices = [[0, 0, 0], [0, 1, 1], [0, 1, 3], [0, 1, 2], [4, 4, 0]];
     for preset in PRESETS {
@@ -204,7 +204,7 @@ fn huge_triangles_are_hit() {
                 let bvh = bvh.clone().with_tier(tier);
                 let ray = Ray::new(Vec3::new(0.25, 0.25, 1.0) * scale, Vec3::NEG_Z);
                 let hit = bvh.intersect(&ray, &NoPrimitives).expect("in the middle");
-                // A few roundings, of 6e-8 each: products, sums and quotients of three terms.
+                // A few roundings of 6e-8 each: products, sums and quotients of three terms.
                 let near = |value: f32, exact: f32| (value - exact).abs() <= 4e-7 * exact;
                 assert!(near(hit.t, scale) && near(hit.u, 0.25) && near(hit.v, 0.25), "{hit:?}");
                 let beside = Ray::new(Vec3::new(0.75, 0.75, 1.0) * scale, Vec3::NEG_Z);
@@ -215,7 +215,7 @@ fn huge_triangles_are_hit() {
 }
 
 #[test]
-fn rays_that_are_none_hit_nothing() {
+fn invalid_rays_hit_nothing() {
     let mesh = mesh(51, 2);
     let built = Bvh::build(&[view(&mesh)], &BuildOptions::default()).expect("valid");
     let inside = mesh.inside;
@@ -241,7 +241,7 @@ fn rays_that_are_none_hit_nothing() {
 }
 
 #[test]
-fn hits_count_strictly_between_the_ends_of_the_ray() {
+fn hits_are_strictly_between_the_ends_of_the_ray() {
     let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let mesh = TriangleMeshView { positions: &positions, indices: &[[0, 1, 2]] };
     let bvh = Bvh::build(&[GeometryView::Triangles(mesh)], &BuildOptions::FAST).expect("valid");
@@ -254,10 +254,10 @@ fn hits_count_strictly_between_the_ends_of_the_ray() {
     assert!(!from(1.0, 1.0) && from(1.0, 1.0_f32.next_up()) && !from(0.0, 1.0));
 }
 
-/// The only one of two million random segments through the kitchen for which Embree, whose rays have
-/// a closed end, finds another answer. In rational arithmetic the distance is 1 exactly.
+/// The only one of two million random segments in the kitchen for which Embree, whose interval is
+/// closed, gives a different result. In rational arithmetic, the distance is exactly 1.
 #[test]
-fn a_segment_that_ends_exactly_on_a_triangle_does_not_meet_it() {
+fn a_segment_that_ends_exactly_on_a_triangle_misses_it() {
     let positions = [
         Vec3::new(-2.076_753, 1.701_893, -2.344_698),
         Vec3::new(-2.076_753, 1.701_893, -2.147_387),
@@ -274,9 +274,9 @@ fn a_segment_that_ends_exactly_on_a_triangle_does_not_meet_it() {
 }
 
 #[test]
-fn spatial_splits_cut_slanted_triangles_and_change_no_hit() {
+fn spatial_splits_do_not_change_hits() {
     let mut random = Random::new(61);
-    // Thin and long, across all three axes.
+    // Thin and long, diagonal to all three axes.
     let positions: Vec<Vec3> = (0..300)
         .flat_map(|_| {
             let start = random.point() * 4.0;
@@ -295,7 +295,7 @@ fn spatial_splits_cut_slanted_triangles_and_change_no_hit() {
     assert!(split.statistics().triangle_references > 350, "{:?}", split.statistics());
     let mut hits = 0;
     for _ in 0..20_000 {
-        // Aimed at the inside of a triangle, which another may hide.
+        // Aimed at the inside of a triangle, which another one may occlude.
         let target = positions[random.bits() as usize % 300 * 3 + 1];
         let origin = random.point() * 10.0;
         let ray = Ray::new(origin, target + random.point() * 0.01 - origin);
@@ -307,7 +307,7 @@ fn spatial_splits_cut_slanted_triangles_and_change_no_hit() {
 }
 
 #[test]
-fn areas_that_overflow_or_vanish_do_no_harm() {
+fn areas_that_overflow_or_vanish_are_handled() {
     for scale in [1e30_f32, 3e37, 1e-38, 1e-45] {
         let positions: Vec<Vec3> =
             (0..42).map(|i| Vec3::new(i as f32 / 20.0, (i % 2) as f32, 0.5) * scale).collect();

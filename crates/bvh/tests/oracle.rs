@@ -1,5 +1,5 @@
-//! The hierarchy against a test of every triangle, on random and degenerate geometry, for every
-//! preset and tier.
+//! Compares the hierarchy with a test of every triangle, on random and degenerate geometry, for
+//! every preset and tier.
 
 mod common;
 
@@ -73,7 +73,7 @@ fn nothing_is_hit_in_an_empty_hierarchy() {
 }
 
 #[test]
-fn bad_input_is_refused_by_name() {
+fn invalid_input_is_rejected_with_its_location() {
     let build = |positions: &[Vec3], indices: &[[u32; 3]]| {
         let mesh = TriangleMeshView { positions, indices };
         let fine = TriangleMeshView { positions: &[], indices: &[] };

@@ -1,4 +1,4 @@
-//! No ray leaves a closed mesh: rays aimed from inside at edges and vertices, at many scales and
+//! No ray leaves a closed mesh: rays are aimed from inside at edges and vertices, at many scales and
 //! distances from the origin.
 
 mod common;
@@ -54,7 +54,7 @@ fn no_ray_of_a_hundred_million_leaves_a_closed_mesh() {
 }
 
 #[test]
-fn every_tier_and_preset_finds_the_same_hit_to_the_last_bit() {
+fn all_tiers_and_presets_find_the_same_hit_to_the_last_bit() {
     let mut random = Random::new(12);
     for mesh in closed_meshes(&mut random) {
         let reference = build(&mesh, &BuildOptions::FAST).with_tier(etendue_bvh::Tier::Portable);
@@ -73,7 +73,7 @@ fn every_tier_and_preset_finds_the_same_hit_to_the_last_bit() {
 }
 
 #[test]
-fn a_hit_lies_where_its_barycentrics_say() {
+fn hits_lie_at_their_barycentric_coordinates() {
     let mut random = Random::new(13);
     for mesh in closed_meshes(&mut random) {
         let bvh = build(&mesh, &BuildOptions::default());

@@ -25,16 +25,16 @@ fn seconds_of(clock: i32) -> f64 {
     time.seconds as f64 + time.nanoseconds as f64 * 1e-9
 }
 
-/// How long something took.
+/// A measured duration.
 #[derive(Clone, Copy)]
 pub(crate) struct Took {
-    /// By the wall, in seconds.
+    /// Wall time in seconds.
     pub(crate) wall: f64,
-    /// By all processors together, in seconds.
+    /// The processor time of all threads in seconds.
     pub(crate) processors: f64,
 }
 
-/// Runs something and says how long it took.
+/// Measures how long `run` takes.
 pub(crate) fn timed<T>(run: impl FnOnce() -> T) -> (Took, T) {
     const PROCESS_CPU_TIME: i32 = 2;
     let (start, processors) = (Instant::now(), seconds_of(PROCESS_CPU_TIME));

@@ -10,7 +10,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicIsize, Ordering};
 
-/// Instruction set and flags of a scene.
+/// The instruction set and flags of a scene.
 pub(crate) struct Variant {
     pub(crate) name: &'static str,
     isa: &'static str,
@@ -20,7 +20,7 @@ pub(crate) struct Variant {
 const ROBUST: i32 = 1 << 2;
 const MEDIUM: i32 = 1;
 
-/// What we compare with: as it comes on this machine, and with the instructions of our own tier.
+/// The variants that we compare with: Embree's default, and the instruction set of our AVX2 tier.
 pub(crate) const VARIANTS: [Variant; 4] = [
     Variant { name: "embree", isa: "", flags: 0 },
     Variant { name: "embree robust", isa: "", flags: ROBUST },
@@ -30,7 +30,7 @@ pub(crate) const VARIANTS: [Variant; 4] = [
 
 type Handle = *mut c_void;
 
-/// RTCRay, then RTCHit in the last words.
+/// `RTCRayHit`: an `RTCRay`, followed by an `RTCHit`.
 #[repr(C, align(16))]
 struct RayHit {
     origin: [f32; 3],
@@ -80,7 +80,7 @@ pub(crate) struct Scene {
     intersect: Trace,
     occluded: Trace,
     release: [unsafe extern "C" fn(Handle); 2],
-    // Unloading Embree or the thread library below it crashes at exit.
+    // Unloading Embree or its thread library crashes at exit.
     _library: ManuallyDrop<Library>,
 }
 
@@ -95,7 +95,7 @@ impl Drop for Scene {
     }
 }
 
-/// Counts what Embree holds; `counter` is an `AtomicIsize`.
+/// Counts the memory that Embree holds; `counter` is an `AtomicIsize`.
 unsafe extern "C" fn count_memory(counter: *mut c_void, bytes: isize, _after: bool) -> bool {
     // SAFETY: `Scene::build` passes its counter, which lives as long as the device.
     unsafe { &*counter.cast::<AtomicIsize>() }.fetch_add(bytes, Ordering::Relaxed);
@@ -103,15 +103,15 @@ unsafe extern "C" fn count_memory(counter: *mut c_void, bytes: isize, _after: bo
 }
 
 impl Scene {
-    /// Builds a scene and says how long that took.
+    /// Builds a scene, and measures how long that takes.
     pub(crate) fn build(
         path: &str,
         variant: &Variant,
         meshes: &[Mesh],
         threads: usize,
     ) -> Result<(Took, Self), Box<dyn Error>> {
-        // SAFETY: the library is Embree 4, whose C interface these signatures are, and it stays
-        // loaded; buffers are filled within the sizes that they were made with.
+        // SAFETY: the library is Embree 4, these are the signatures of its C interface, and it stays
+        // loaded. Buffers are filled within the sizes that they were created with.
         unsafe {
             let library = ManuallyDrop::new(Library::new(path)?);
             let new_device: Symbol<unsafe extern "C" fn(*const c_char) -> Handle> =
@@ -137,7 +137,7 @@ impl Scene {
             for mesh in meshes {
                 attach(&library, device, scene, mesh)?;
             }
-            // From here on, so that the copies of the meshes do not count.
+            // Only now, so that the copies of the meshes do not count.
             monitor(device, count_memory, (&raw const *bytes).cast_mut().cast());
             let commit = with_handle(b"rtcCommitScene\0")?;
             let (took, ()) = timed(|| commit(scene));
@@ -155,7 +155,7 @@ impl Scene {
 ///
 /// # Safety
 ///
-/// The library must be Embree 4, and the handles from it.
+/// The library must be Embree 4, and the handles must come from it.
 unsafe fn attach(
     library: &Library,
     device: Handle,
@@ -166,7 +166,7 @@ unsafe fn attach(
     const VERTEX_BUFFER: i32 = 1;
     const UINT3: i32 = 0x5003;
     const FLOAT3: i32 = 0x9003;
-    // SAFETY: as the caller promises; Embree's buffers hold `count` items of 12 bytes.
+    // SAFETY: guaranteed by the caller; Embree's buffers hold `count` items of 12 bytes.
     unsafe {
         let new_geometry: Symbol<unsafe extern "C" fn(Handle, i32) -> Handle> =
             library.get(b"rtcNewGeometry\0")?;

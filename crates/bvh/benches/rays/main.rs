@@ -1,4 +1,5 @@
-//! Rays per second on the triangles of a scene, beside Embree if its library is given:
+//! Measures rays per second on the triangles of a scene, and those of Embree if its library is
+//! given:
 //!
 //! ```text
 //! cargo bench -p etendue-bvh --bench rays -- [TRIANGLES] [--embree LIBEMBREE4.SO] [--rounds COUNT]
@@ -33,7 +34,7 @@ use std::error::Error;
 use triangles::Mesh;
 use workload::Workload;
 
-/// Something that traces rays and counts the hits.
+/// Traces rays and counts the hits.
 trait Tracer {
     fn name(&self) -> String;
     fn bytes(&self) -> usize;
@@ -41,10 +42,10 @@ trait Tracer {
     fn count_any(&self, rays: &[Ray]) -> usize;
 }
 
-/// Our own, ray by ray.
+/// Our hierarchy, one ray at a time.
 struct Ours(Bvh);
 
-/// Our own, so many rays at a time, as the renderer does.
+/// Our hierarchy, in batches of this many rays, as in the renderer.
 struct Batches(Bvh, usize);
 
 impl Tracer for Batches {
@@ -110,7 +111,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let workload = Workload::new(&camera, &meshes, &ours.0);
     let mut all: Vec<Box<dyn Tracer>> = vec![Box::new(ours)];
     all.extend(tracers);
-    // Last, for comparison, many rays at a time, and the tier that more machines have.
+    // Finally, for comparison, batches of rays and the more common tier.
     let mut tiers = vec![Tier::detect()];
     if all[0].name() != tier_name(Tier::Avx2) && Tier::Avx2.is_available() {
         all.push(Box::new(Ours(build(&meshes, &options.preset).with_tier(Tier::Avx2))));
@@ -144,9 +145,9 @@ fn build(meshes: &[Mesh], preset: &BuildOptions) -> Bvh {
     Bvh::build(&views, preset).expect("a scene that has been built before is valid")
 }
 
-/// Times the builds in turns, on one thread and two, and keeps a scene of every peer; our own row
-/// comes first and has no tracer yet.
-#[expect(clippy::type_complexity, reason = "two lists with a row for each tracer")]
+/// Times the builds in turns, on one thread and two, and keeps a scene of every peer. Our own row
+/// comes first, and has no tracer yet.
+#[expect(clippy::type_complexity, reason = "two lists with one row per tracer")]
 fn build_all(
     options: &Options,
     meshes: &[Mesh],
@@ -172,7 +173,7 @@ fn build_all(
     Ok((measured, tracers))
 }
 
-/// Traces every kind of rays, in turns.
+/// Traces every kind of ray, in turns.
 fn trace_all(
     options: &Options,
     workload: &Workload,

@@ -4,7 +4,7 @@ use crate::workload::Kind;
 use etendue_bvh::BuildOptions;
 use std::error::Error;
 
-/// What was asked for.
+/// The options.
 pub(crate) struct Options {
     /// The file of triangles; generated hills without one.
     pub(crate) triangles: Option<String>,
@@ -18,7 +18,7 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    /// Reads the arguments after the program's name.
+    /// Parses the arguments after the program's name.
     pub(crate) fn parse(
         mut arguments: impl Iterator<Item = String>,
     ) -> Result<Self, Box<dyn Error>> {
@@ -62,6 +62,6 @@ fn preset(name: &str) -> Result<BuildOptions, String> {
         "fast" => Ok(BuildOptions::FAST),
         "balanced" => Ok(BuildOptions::BALANCED),
         "spatial" => Ok(BuildOptions::SPATIAL),
-        _ => Err(format!("there is no preset `{name}`; there are fast, balanced, spatial")),
+        _ => Err(format!("unknown preset `{name}`; the presets are fast, balanced and spatial")),
     }
 }

@@ -1,21 +1,21 @@
-//! What was measured, for people and for programs.
+//! Reports the measurements, for people and for programs.
 
 use crate::clock::Took;
 use crate::workload::{Kind, Workload};
 
-/// One round of one kind of rays.
+/// The measurement of one round of one kind of ray.
 pub(crate) struct Trace {
     pub(crate) kind: Kind,
     pub(crate) hits: usize,
     pub(crate) seconds: f64,
 }
 
-/// One tracer's figures, the best of all rounds.
+/// The measurements of one tracer, the best of all rounds.
 #[derive(Default)]
 pub(crate) struct Measured {
     pub(crate) name: String,
     pub(crate) bytes: usize,
-    /// Of the build: processors' time with one thread and with two, wall time with one and two.
+    /// The build: processor time with one and two threads, then wall time with one and two.
     build_seconds: [Option<f64>; 4],
     hits: [usize; Kind::ALL.len()],
     seconds: [Option<f64>; Kind::ALL.len()],
@@ -47,8 +47,8 @@ impl Measured {
     }
 }
 
-/// A table: rates, and in parentheses ours over theirs. Seconds of builds are those of all
-/// processors together, in parentheses those of the wall.
+/// Prints a table of rates, with ours over theirs in parentheses. Build times are processor seconds,
+/// with wall seconds in parentheses.
 pub(crate) fn print(triangles: usize, workload: &Workload, kinds: &[Kind], all: &[Measured]) {
     println!("{triangles} triangles; Mrays/s on one thread (and ours over theirs)");
     print!("{:20}{:>18}{:>18}{:>8}", "", "build by 1 (wall)", "by 2 (wall)", "MB");
@@ -72,7 +72,7 @@ pub(crate) fn print(triangles: usize, workload: &Workload, kinds: &[Kind], all: 
     }
 }
 
-/// Rays along edges, and ends on surfaces, round differently; more than that is an error somewhere.
+/// Rays along edges, and ends on surfaces, round differently; larger differences indicate an error.
 fn agree(hits: &[usize], rays: usize) -> bool {
     let (least, most) = (hits.iter().min(), hits.iter().max());
     least.zip(most).is_none_or(|(least, most)| most - least <= rays / 100_000)
@@ -82,7 +82,7 @@ fn verdict(hits: &[usize], rays: usize) -> &'static str {
     if agree(hits, rays) { "" } else { ": THEY DO NOT AGREE" }
 }
 
-/// The same for programs.
+/// The measurements as JSON.
 pub(crate) fn json(
     triangles: usize,
     workload: &Workload,

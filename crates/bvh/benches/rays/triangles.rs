@@ -11,11 +11,11 @@ pub(crate) struct Mesh {
     pub(crate) indices: Vec<[u32; 3]>,
 }
 
-/// A camera without a lens: origins and directions at three corners of the film.
+/// A pinhole camera: origins and directions at three corners of the film.
 pub(crate) struct Camera([[Vec3; 2]; 3]);
 
 impl Camera {
-    /// Origin and direction at a place on the film, from (0, 0) in the left upper corner to (1, 1).
+    /// Origin and direction at a position on the film, from (0, 0) in the top left corner to (1, 1).
     pub(crate) fn ray(&self, x: f32, y: f32) -> [Vec3; 2] {
         let [base, right, down] = &self.0;
         let at = |k: usize| base[k] + (right[k] - base[k]) * x + (down[k] - base[k]) * y;
@@ -53,7 +53,7 @@ pub(crate) fn read(path: &str) -> Result<(Camera, Vec<Mesh>), Box<dyn Error>> {
     Ok((Camera(corners), meshes))
 }
 
-/// What is left of the file.
+/// The rest of the file.
 struct Words<'a>(&'a [u8]);
 
 impl Words<'_> {

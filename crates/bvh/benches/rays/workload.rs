@@ -5,18 +5,18 @@ use etendue_bvh::{Bvh, NoPrimitives};
 use etendue_math::{Ray, coordinate_system};
 use glam::Vec3;
 
-/// What rays are for.
+/// The kinds of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
-    /// A pinhole camera's, 1920 × 1080, line by line.
+    /// From a pinhole camera, 1920 × 1080, row by row.
     Primary,
-    /// One from each primary hit, distributed by the cosine.
+    /// One from each primary hit, with a cosine distribution.
     Bounce,
-    /// From anywhere in the bounds in any direction.
+    /// From uniform points in the bounds, in uniform directions.
     Random,
     /// From each primary hit to a point light.
     Shadow,
-    /// Between two points anywhere in the bounds.
+    /// Between two uniform points in the bounds.
     Segments,
 }
 
@@ -34,7 +34,7 @@ impl Kind {
         }
     }
 
-    /// Whether any hit will do.
+    /// Whether the query is for any hit.
     pub(crate) fn is_any_hit(self) -> bool {
         matches!(self, Self::Shadow | Self::Segments)
     }
@@ -48,7 +48,7 @@ const HEIGHT: usize = 1080;
 const RANDOM: usize = 2_000_000;
 
 impl Workload {
-    /// The rays through a scene; `bvh` finds the primary hits.
+    /// Generates the rays through a scene; `bvh` finds the primary hits.
     pub(crate) fn new(camera: &Camera, meshes: &[Mesh], bvh: &Bvh) -> Self {
         let primary = primary_rays(camera);
         let bounds = bvh.bounds();
@@ -62,7 +62,7 @@ impl Workload {
                 mesh.indices[hit.primitive as usize].map(|index| mesh.positions[index as usize]);
             let normal = (b - a).cross(c - a).normalize_or(Vec3::Z);
             let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-            // Far enough that neither side's rounding counts.
+            // Far enough for the rounding of either tracer.
             let origin = ray.at(hit.t) + normal * (1e-4 * bounds.extent().max_element());
             bounce.push(Ray::new(origin, random.cosine(normal)));
             shadow.push(Ray::segment(origin, light - origin, 1.0));

@@ -1,68 +1,30 @@
-//! Parts of the binary tree: binned surface area heuristic, top down, in parallel.
+//! Builds parts of the binary tree: binned surface area heuristic, top down, in parallel.
 //!
-//! Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). On the way up,
-//! each node learns what its best conversion into wide nodes costs; see `collapse`.
+//! Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). On the way back
+//! up, each node records the cost of its best conversion into wide nodes; see `plan`.
 
-use super::MAX_COST_DEPTH;
+use super::binary_tree::BinaryNode;
 use super::bins::{Binning, Bins, MAX_BINS, Split};
-use super::collapse::{Costs, Plan};
-use super::extent::{Box4, Extent};
+use super::extent::Extent;
 #[cfg(target_arch = "x86_64")]
 use super::kernel::Avx2;
 use super::kernel::{Kernel, Portable};
+use super::plan::Costs;
 use super::reference::Reference;
+use crate::depth::MAX_COST_DEPTH;
 use crate::node::WIDTH;
 use crate::options::BuildOptions;
 use crate::simd::Tier;
-use etendue_math::Bounds3;
-use glam::Vec3;
 use rayon::prelude::*;
 
-/// A node of the binary tree. Its left child follows it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BinaryNode {
-    min: Vec3,
-    max: Vec3,
-    /// The first reference below it; of a leaf of the top, the part below it.
-    pub(super) first: u32,
-    /// How many references are below it; zero in the top, where they may lie apart.
-    pub(super) count: u32,
-    /// How far after this node its right child is; 0 for a leaf.
-    pub(super) right: u32,
-    /// How the node is best converted into wide nodes.
-    pub(super) plan: Plan,
-}
-
-impl BinaryNode {
-    /// A leaf; `right` and `plan` make another node of it.
-    pub(super) fn new(bounds: &Box4, first: usize, count: usize) -> Self {
-        Self {
-            min: bounds.min.truncate(),
-            max: -bounds.negated_max.truncate(),
-            first: first as u32,
-            count: count as u32,
-            right: 0,
-            plan: Plan::default(),
-        }
-    }
-
-    pub(super) fn bounds(&self) -> Bounds3 {
-        Bounds3::new(self.min, self.max)
-    }
-
-    pub(super) fn is_leaf(&self) -> bool {
-        self.right == 0 || self.plan.is_leaf()
-    }
-}
-
-/// Ranges of more references are divided between threads.
+/// Ranges of more references than this are divided between threads.
 pub(super) const PARALLEL: usize = 4096;
 
-/// Ranges of more references are sorted into bins by several threads: the first few, before there are
-/// as many ranges as threads.
-const MANY: usize = 4 * Reference::CHUNK;
+/// Ranges of more references than this are binned by several threads: the first few ranges, while
+/// there are fewer of them than threads.
+const PARALLEL_BINNING: usize = 4 * Reference::CHUNK;
 
-/// What the recursion carries along unchanged.
+/// Constants of the recursion.
 pub(super) struct Builder {
     bin_count: usize,
     leaf_size: usize,
@@ -70,7 +32,7 @@ pub(super) struct Builder {
     tier: Tier,
 }
 
-/// A part of the tree to build: its references, and where they begin.
+/// A part of the tree to build: its references, and the index of the first of them.
 pub(super) struct Task<'a> {
     pub(super) references: &'a mut [Reference],
     pub(super) first: usize,
@@ -78,7 +40,7 @@ pub(super) struct Task<'a> {
     pub(super) depth: usize,
 }
 
-/// What a finished part of the tree tells its parent.
+/// The result of a finished part of the tree.
 #[derive(Clone, Copy)]
 pub(super) struct Finished {
     pub(super) costs: Costs,
@@ -95,8 +57,8 @@ impl Builder {
         }
     }
 
-    /// Appends the part to `nodes`, its root first, and orders the references by its leaves. The
-    /// recursion is as deep as the tree, which is bounded.
+    /// Appends the subtree to `nodes`, its root first, and sorts the references in the order of its
+    /// leaves. The recursion is as deep as the tree, whose depth is bounded.
     pub(super) fn build(&self, task: Task<'_>, nodes: &mut Vec<BinaryNode>) -> Finished {
         let (count, place) = (task.references.len(), nodes.len());
         nodes.push(BinaryNode::new(&task.extent.bounds, task.first, count));
@@ -131,7 +93,7 @@ impl Builder {
         Finished { costs, custom_count }
     }
 
-    /// Two parts instead of one of at least two references.
+    /// Splits a part of at least two references in two.
     pub(super) fn divide<'a>(&self, task: Task<'a>) -> [Task<'a>; 2] {
         let Task { references, first, extent, depth } = task;
         let (middle, [left_extent, right_extent]) = self.split(references, &extent, depth);
@@ -143,7 +105,7 @@ impl Builder {
         ]
     }
 
-    /// Reorders the references into two parts and says where the second begins.
+    /// Partitions the references in two, and returns the index of the first on the right.
     fn split(
         &self,
         references: &mut [Reference],
@@ -152,8 +114,8 @@ impl Builder {
     ) -> (usize, [Extent; 2]) {
         #[cfg(target_arch = "x86_64")]
         if self.tier != Tier::Portable {
-            // SAFETY: `Tier::detect` has found that the machine has these instructions, which all
-            // tiers but the portable one include.
+            // SAFETY: `Tier::detect` has found that the machine supports these instructions; every
+            // tier but the portable one includes them.
             return unsafe { self.split_avx2(references, extent, depth) };
         }
         self.split_by::<Portable>(references, extent, depth)
@@ -187,19 +149,19 @@ impl Builder {
             let left = Extent { bounds: left, centers: left_centers };
             return (middle, [left, Extent { bounds: right, centers: right_centers }]);
         }
-        // No plane parts the centres, or the tree is too deep: halve.
+        // No plane separates the centres, or the tree is too deep: halve the range.
         let middle = references.len() / 2;
         let extents = [Extent::of(&references[..middle]), Extent::of(&references[middle..])];
         (middle, extents)
     }
 
-    /// The cheapest of the planes between bins, if any parts the centres.
+    /// The cheapest plane between bins, or `None` if no plane separates the centres.
     #[inline(always)]
     fn find_split<K: Kernel>(&self, references: &[Reference], extent: &Extent) -> Option<Split> {
-        // A bin for every few references is enough, and small ranges are by far the most.
+        // A bin for every few references suffices, and most ranges are small.
         let count = (4 + references.len() / 4).min(self.bin_count);
         let binning = Binning::new(extent, count);
-        if references.len() > MANY {
+        if references.len() > PARALLEL_BINNING {
             return self.bins_of_many(references, &binning, count).best_split(&binning);
         }
         let mut bins = Bins::new(count);
@@ -207,7 +169,7 @@ impl Builder {
         bins.best_split(&binning)
     }
 
-    /// Sorts references into bins by several threads.
+    /// Sorts references into bins in parallel.
     #[inline(never)]
     fn bins_of_many(&self, references: &[Reference], binning: &Binning, count: usize) -> Bins {
         let chunks = references.par_chunks(Reference::CHUNK);

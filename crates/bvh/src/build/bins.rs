@@ -8,28 +8,28 @@ use std::ops::Range;
 
 pub(super) const MAX_BINS: usize = 16;
 
-/// How centres are sorted into bins.
+/// The mapping of centres to bins.
 #[derive(Clone, Copy)]
 pub(super) struct Binning {
     pub(super) origin: Vec4,
     pub(super) scale: Vec4,
 }
 
-/// Adding this to a small number that is not negative rounds it into the lowest bits: much quicker
-/// than a conversion, which in Rust saturates.
+/// Adding this to a small non-negative float rounds it into the lowest bits of the sum. Much faster
+/// than a conversion to an integer, which saturates in Rust.
 const TO_LOW_BITS: f32 = 8_388_608.0;
 
 impl Binning {
-    /// For `count` bins on each axis.
+    /// A mapping to `count` bins per axis.
     pub(super) fn new(extent: &Extent, count: usize) -> Self {
         let size = extent.centers.extent();
         let scale = Vec4::splat(count as f32 - 1.0) / size;
-        // An axis on which the centres agree, or are so near or far that it overflows, is flat.
+        // Treat an axis as flat if all centres agree, or if the scale overflows.
         let usable = size.cmpgt(Vec4::ZERO) & scale.cmplt(Vec4::splat(f32::MAX));
         Self { origin: extent.centers.min, scale: Vec4::select(usable, scale, Vec4::ZERO) }
     }
 
-    /// Three numbers whose lowest bits, as many as [`MAX_BINS`] needs, are the bins of a centre.
+    /// Three floats whose lowest bits, as many as [`MAX_BINS`] needs, are the bins of a centre.
     #[inline(always)]
     pub(super) fn place(&self, center: Vec4) -> Vec4 {
         (center - self.origin) * self.scale + Vec4::splat(TO_LOW_BITS)
@@ -42,20 +42,20 @@ impl Binning {
     }
 }
 
-/// References go left if their place on the axis is below the limit.
+/// A splitting plane. References go left if their position on the axis is below the limit.
 pub(super) struct Plane {
     pub(super) binning: Binning,
     pub(super) axis: usize,
     pub(super) limit: f32,
 }
 
-/// A plane and the boxes of its two sides.
+/// A plane, and the boxes of its two sides.
 pub(super) struct Split {
     pub(super) plane: Plane,
     pub(super) bounds: [Box4; 2],
 }
 
-/// What fell into each bin of each axis.
+/// The boxes and counts of the references in each bin of each axis.
 pub(super) struct Bins {
     count: usize,
     pub(super) boxes: [[Box4; MAX_BINS]; 3],
@@ -63,22 +63,22 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// As many empty bins as there may be, the first `count` of them in use on each axis.
+    /// Empty bins, `count` of them in use on each axis.
     #[inline(always)]
     pub(super) fn new(count: usize) -> Self {
-        // Not emptied one by one: that was followed by a copy of all.
+        // Not initialised one by one: the compiler then also copied the whole array.
         const EMPTY: Bins =
             Bins { count: 0, boxes: [[Box4::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
         Self { count, ..EMPTY }
     }
 
-    /// As many empty bins.
+    /// The same number of empty bins.
     #[inline(always)]
     pub(super) fn new_like(&self) -> Self {
         Self::new(self.count)
     }
 
-    /// Takes over what fell into others.
+    /// Adds the content of other bins.
     #[inline(always)]
     pub(super) fn merge(&mut self, others: &Self) {
         for axis in 0..3 {
@@ -89,7 +89,7 @@ impl Bins {
         }
     }
 
-    /// The cheapest of the planes between bins, if any parts the centres.
+    /// The cheapest plane between bins, or `None` if no plane separates the centres.
     #[inline(always)]
     pub(super) fn best_split(&self, binning: &Binning) -> Option<Split> {
         let best = self.best_plane();
@@ -104,7 +104,7 @@ impl Bins {
         Some(Split { plane, bounds })
     }
 
-    /// The box of everything in some bins.
+    /// The box of everything in a range of bins.
     #[inline(always)]
     fn bounds(&self, axis: usize, bins: Range<usize>) -> Box4 {
         let mut bounds = Box4::EMPTY;
@@ -112,13 +112,13 @@ impl Bins {
         bounds
     }
 
-    /// The cheapest plane as one number: its cost's bits, the axis, and the first bin of the right
-    /// side; [`NO_PLANE`] if none parts the references.
+    /// The cheapest plane packed into one integer: the bits of its cost, the axis, and the first
+    /// bin of the right side. [`NO_PLANE`] if no plane separates the references.
     ///
-    /// Small ranges are by far the most, and their planes come in no order: with a branch on whether
-    /// one is better, or has nothing on one side, the processor guessed wrong eight times for every
-    /// split, which took longer than the arithmetic. An empty side costs ∞ · 0, which is no number:
-    /// as bits that is more than any cost. (Costs may be −0.)
+    /// Without branches: most ranges are small, and their planes come in no order. Branches on
+    /// which plane is better, or whether a side is empty, were mispredicted eight times per split,
+    /// which took longer than the arithmetic. An empty side costs ∞ · 0 = NaN, whose bits exceed
+    /// those of any cost. (A cost may be −0.)
     #[inline(always)]
     fn best_plane(&self) -> u64 {
         let mut right_costs = [[0.0; 3]; MAX_BINS];
@@ -143,12 +143,12 @@ impl Bins {
     }
 }
 
-/// The number of no plane: its cost is infinite.
+/// The packed form of no plane: the cost is infinite.
 const NO_PLANE: u64 = (f32::INFINITY.to_bits() as u64) << 32;
 
 const AXIS_SHIFT: u32 = MAX_BINS.ilog2();
 
-/// All bins on one side of a plane.
+/// The union of all bins on one side of a plane.
 #[derive(Clone, Copy)]
 struct Side {
     bounds: Box4,
@@ -170,13 +170,13 @@ impl Side {
     }
 }
 
-/// What a number of references weighs in the cost of a split: three parts what whole blocks would
-/// take them, and one part their number.
+/// The weight of a number of references in the cost of a split: three parts for the whole blocks
+/// that would hold them, and one part for their number.
 ///
-/// By their number alone, blocks were filled less (5.9 of 8 in a room of a million triangles), the
-/// build took a fifteenth longer, and the tree a sixth more memory. By blocks alone, nothing speaks
-/// for the better of two splits into as many blocks, and shadow rays were a tenth slower. A constant
-/// beside the number makes rays slower, too.
+/// By the number alone, blocks were less full (5.9 of 8 in a room of a million triangles), the
+/// build took 7 % longer, and the tree took a sixth more memory. By blocks alone, there is no
+/// preference between two splits into equally many blocks, and shadow rays were 10 % slower. A
+/// constant in addition to the number made rays slower, too.
 #[inline(always)]
 fn weight(references: u32) -> f32 {
     const BLOCK: u32 = WIDTH as u32;

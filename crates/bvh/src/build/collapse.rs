@@ -1,97 +1,16 @@
-//! From the binary tree to wide nodes and blocks of triangles, at least cost.
-//!
-//! Every binary node knows what it costs to represent its references by at most 1, 2, …, 8 wide
-//! children; a wide node then takes the best eight. Dynamic programming as by Ylitie, Karras and
-//! Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs* (HPG 2017),
-//! section 3.1.
+//! Converts the binary tree into wide nodes and blocks of triangles, following the plan of least
+//! cost (see `plan`).
 
-use super::binned::BinaryNode;
+use super::binary_tree::{BinaryNode, Place, Tree};
 use super::reference::Reference;
-use super::top::{Place, Tree};
 use crate::error_bounds::padded;
 use crate::geometry::GeometryView;
 use crate::memory::{concatenate, vector_with_capacity};
 use crate::node::{Child, Custom, Lengths, Node, TriangleBlock, WIDTH};
-use crate::triangle_numbers::TriangleNumbers;
+use crate::triangle_ids::TriangleIds;
 use rayon::prelude::*;
 
-/// What a subtree costs as at most 1, 2, … 7 children of a wide node.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Costs([f32; WIDTH - 1]);
-
-/// How to reach the costs: for each number of children from two, how many go to the left side
-/// (0: one child fewer is as good), three bits each; then whether a single child is a leaf.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Plan(u32);
-
-impl Plan {
-    const LEAF: u32 = 1 << 31;
-
-    fn left_share(self, children: usize) -> usize {
-        (self.0 >> (3 * (children - 2)) & 7) as usize
-    }
-
-    pub(super) fn is_leaf(self) -> bool {
-        self.0 & Self::LEAF != 0
-    }
-}
-
-impl Costs {
-    /// A subtree that is one leaf.
-    pub(super) fn leaf(area: f32) -> Self {
-        Self([area; WIDTH - 1])
-    }
-
-    /// What the subtree costs as one child.
-    pub(super) fn single(&self) -> f32 {
-        self.0[0]
-    }
-
-    /// A subtree of two. `counts` are all references below it, and the custom ones.
-    pub(super) fn combine(
-        [left, right]: [&Self; 2],
-        area: f32,
-        node_cost: f32,
-        (count, custom_count): (usize, usize),
-    ) -> (Self, Plan) {
-        let mut plan = 0;
-        let mut distributed = [f32::INFINITY; WIDTH + 1];
-        for children in 2..=WIDTH {
-            let mut best = (0, distributed[children - 1]);
-            for to_left in 1..children {
-                let cost = left.0[to_left - 1] + right.0[children - to_left - 1];
-                if cost < best.1 {
-                    best = (to_left, cost);
-                }
-            }
-            distributed[children] = best.1;
-            plan |= (best.0 as u32) << (3 * (children - 2));
-        }
-        let as_node = area * node_cost + distributed[WIDTH];
-        let can_be_leaf = match custom_count {
-            0 => count <= WIDTH,
-            custom => custom == count && count <= Child::MAX_CUSTOM,
-        };
-        let single = if can_be_leaf && area <= as_node {
-            plan |= Plan::LEAF;
-            area
-        } else {
-            as_node
-        };
-        let mut costs = [single; WIDTH - 1];
-        for children in 2..WIDTH {
-            if distributed[children] < costs[children - 2] {
-                costs[children - 1] = distributed[children];
-            } else {
-                costs[children - 1] = costs[children - 2];
-                plan &= !(7 << (3 * (children - 2)));
-            }
-        }
-        (Self(costs), Plan(plan))
-    }
-}
-
-/// Wide nodes, and which references each block of triangles takes.
+/// Wide nodes, and the range of references in each block of triangles.
 #[derive(Default)]
 pub(super) struct Wide {
     pub(super) nodes: Vec<Node>,
@@ -100,10 +19,10 @@ pub(super) struct Wide {
     block_ranges: Vec<(u32, u32)>,
 }
 
-/// The binary nodes that become the children of a wide one; in place, as there are so many.
+/// The binary nodes that become the children of a wide node. In place, because there are many.
 #[derive(Default)]
 struct Children {
-    /// With the number that they are ordered by.
+    /// Each with its sort key.
     places: [(u64, Place); WIDTH],
     count: usize,
 }
@@ -116,9 +35,9 @@ impl Children {
         self.count += 1;
     }
 
-    /// A ray that any hit will do for takes the last first: blocks, which end it soonest, and of them
-    /// the largest. Segments then visit a sixth fewer nodes than in no order; by area alone, or with
-    /// the smallest last, they visit more.
+    /// An any-hit query visits the last child first: blocks, which end it soonest, and the largest
+    /// of them. This way segments visit a sixth fewer nodes than in arbitrary order. By area alone,
+    /// or with the smallest last, they visit more.
     fn sorted(&mut self) -> &[(u64, Place)] {
         let places = &mut self.places[..self.count];
         places.sort_by_key(|&(order, _)| order);
@@ -126,17 +45,17 @@ impl Children {
     }
 }
 
-/// A slot of a wide node whose child is still to be added: a node inside a part.
+/// A slot of a wide node whose child, a node inside a part, is yet to be added.
 struct Deferred {
     node: usize,
     slot: usize,
     place: Place,
 }
 
-/// So many deferred nodes are one task for a thread. They are a few thousand in a large tree.
+/// The number of deferred nodes per parallel task. A large tree has a few thousand of them.
 const DEFERRED_PER_TASK: usize = 64;
 
-/// Converts the tree: first the top, and then what is inside the parts, by several threads.
+/// Converts the tree: first the top, then the inside of the parts, in parallel.
 pub(super) fn collapse(tree: &Tree, references: &[Reference]) -> Wide {
     let mut top = Wide::default();
     let mut deferred = Vec::new();
@@ -186,7 +105,7 @@ impl Wide {
         }
     }
 
-    /// All in one, each moved behind those before it.
+    /// Concatenates the pieces, and moves the references of each behind those before it.
     fn join(pieces: &[(Self, Lengths)]) -> Self {
         Self {
             nodes: concatenate(
@@ -205,8 +124,9 @@ impl Wide {
         }
     }
 
-    /// Adds the wide node of a binary node and everything below, but for what is inside a part where
-    /// the node itself is not. The recursion is as deep as the tree, which is bounded.
+    /// Adds the wide node of a binary node and everything below it. Children inside a part are
+    /// deferred if the node itself is in the top. The recursion is as deep as the tree, whose depth
+    /// is bounded.
     fn add_node(
         &mut self,
         tree: &Tree,
@@ -218,8 +138,8 @@ impl Wide {
         self.nodes.push(Node::EMPTY);
         let mut children = Children::default();
         distribute(tree, binary, WIDTH, &mut children);
-        // Where areas overflow or vanish no plan is better than none, and the node would be its own
-        // child.
+        // If areas overflow or vanish, the plan may be to keep the node as a single child, which
+        // would make it its own child.
         if children.count == 1 {
             children = Children::default();
             tree.children(binary).into_iter().for_each(|child| children.push(tree, child));
@@ -263,21 +183,21 @@ impl Wide {
         &self,
         references: &[Reference],
         geometries: &[GeometryView<'_>],
-        names: &TriangleNumbers,
+        ids: &TriangleIds,
     ) -> Vec<TriangleBlock> {
         let mut blocks = vector_with_capacity(self.block_ranges.len());
         self.block_ranges
             .par_iter()
             .map(|&(first, count)| {
                 let references = &references[first as usize..(first + count) as usize];
-                fill_block(references, geometries, names)
+                fill_block(references, geometries, ids)
             })
             .collect_into_vec(&mut blocks);
         blocks
     }
 }
 
-/// Gathers the subtrees that become at most `children` children.
+/// Collects the subtrees that become at most `children` children.
 fn distribute(tree: &Tree, binary: Place, children: usize, into: &mut Children) {
     let node = tree.node(binary);
     let mut children = children;
@@ -297,27 +217,27 @@ fn distribute(tree: &Tree, binary: Place, children: usize, into: &mut Children) 
 fn fill_block(
     references: &[Reference],
     geometries: &[GeometryView<'_>],
-    names: &TriangleNumbers,
+    ids: &TriangleIds,
 ) -> TriangleBlock {
     let mut block = TriangleBlock::EMPTY;
     let mut count = 0;
     for reference in references {
         let (geometry, primitive) = (reference.geometry(), reference.primitive());
-        let name = names.name(geometry, primitive);
-        // Parts of one triangle may meet again.
-        if block.names[..count].contains(&name) {
+        let id = ids.id(geometry, primitive);
+        // The parts of a split triangle may end up in the same block.
+        if block.ids[..count].contains(&id) {
             continue;
         }
         if let GeometryView::Triangles(mesh) = &geometries[geometry as usize] {
             let corners =
                 mesh.indices[primitive as usize].map(|index| mesh.positions[index as usize]);
-            block.set(count, name, corners);
+            block.set(count, id, corners);
             count += 1;
         }
     }
     let [a, b] = [0, 1].map(|vertex| block.vertex(vertex, 0));
     for lane in count..WIDTH {
-        block.set(lane, block.names[0], [a, b, a]);
+        block.set(lane, block.ids[0], [a, b, a]);
     }
     block
 }

@@ -1,11 +1,11 @@
-//! Boxes in SIMD registers.
+//! Bounding boxes in SIMD registers.
 
 use super::reference::Reference;
 use glam::Vec4;
 use rayon::prelude::*;
 
-/// A box in SIMD registers, its greatest corner negated so that both corners grow by the lesser;
-/// the fourth components mean nothing.
+/// A box in SIMD registers. The maximum corner is negated, so that both corners grow by a minimum.
+/// The fourth components are unspecified.
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct Box4 {
@@ -41,13 +41,13 @@ impl Box4 {
 
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
-        // All negative, which the products make good again.
+        // Both extents are negated; the signs cancel in the products.
         let extent = self.negated_max + self.min;
         extent.x * (extent.y + extent.z) + extent.y * extent.z
     }
 }
 
-/// The boxes of a range of references and of their centres.
+/// The boxes around a range of references and around their centres.
 #[derive(Clone, Copy)]
 pub(super) struct Extent {
     pub(super) bounds: Box4,
@@ -69,7 +69,7 @@ impl Extent {
         extent
     }
 
-    /// As [`Extent::of`], by several threads.
+    /// As [`Extent::of`], in parallel.
     pub(super) fn of_many(references: &[Reference]) -> Self {
         let chunks: Vec<Self> = references.par_chunks(Reference::CHUNK).map(Self::of).collect();
         let mut extent = Self::EMPTY;

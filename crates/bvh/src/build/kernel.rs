@@ -1,25 +1,25 @@
-//! The innermost loops of the binned build, by the instructions that the machine has. The results
-//! do not depend on them.
+//! The innermost loops of the binned build, with one implementation per instruction set. The
+//! results do not depend on it.
 
 use super::bins::{Binning, Bins, Plane};
 use super::extent::Box4;
 use super::reference::Reference;
 
-/// What is done for every reference on every level of the tree.
+/// The operations on every reference at every level of the tree.
 pub(super) trait Kernel {
-    /// Grows the bins by references.
+    /// Adds references to the bins.
     fn add(bins: &mut Bins, binning: &Binning, references: &[Reference]);
 
-    /// Moves the references left of the plane to the front. Says how many they are, and the boxes
-    /// of the centres on both sides.
+    /// Moves the references left of the plane to the front. Returns their number, and the boxes of
+    /// the centres on both sides.
     ///
-    /// Without a branch on the side, which could not be foretold: a reference of the right side is
-    /// swapped with another of its side, and the box of the other side's centres grows by nothing.
-    /// That took a third off the build.
+    /// Without a branch on the side, which is unpredictable: a reference of the right side is
+    /// swapped with another of that side, and the box of the other side's centres grows by an empty
+    /// box. This made the build a third faster.
     fn partition(references: &mut [Reference], plane: &Plane) -> (usize, [Box4; 2]);
 }
 
-/// What every machine has.
+/// Runs on every machine.
 pub(super) struct Portable;
 
 impl Kernel for Portable {
@@ -63,22 +63,22 @@ mod avx2 {
     use glam::Vec4;
     use std::arch::x86_64::*;
 
-    /// Both corners of a box in one register. Its functions are always inlined into those functions
-    /// of `binned` that are compiled for these instructions, the only places that name it; a closure
-    /// would not be.
+    /// Both corners of a box in one register. These functions are always inlined into those
+    /// functions of `binned` that are compiled for AVX2, the only places that use it. (A closure
+    /// would not be inlined.)
     pub(in super::super) struct Avx2;
 
-    /// From so many references on it pays to have two sets of bins.
+    /// From this number of references on, two sets of bins are faster.
     const TWO_SETS: usize = 64;
 
-    /// Negates the upper half, where greatest corners are.
+    /// The sign bits of the upper half, which holds the maximum corner.
     #[inline(always)]
     fn upper_signs() -> __m256 {
         // SAFETY: see `Avx2`.
         unsafe { _mm256_setr_ps(0.0, 0.0, 0.0, 0.0, -0.0, -0.0, -0.0, -0.0) }
     }
 
-    /// Both corners of a reference.
+    /// Both corners of a reference in one register.
     #[inline(always)]
     fn corners(reference: &Reference) -> __m256 {
         // SAFETY: see `Avx2`; a reference is eight aligned floats.
@@ -95,12 +95,12 @@ mod avx2 {
         }
     }
 
-    /// Grows one bin of each axis by a reference.
+    /// Adds a reference to one bin of each axis.
     #[inline(always)]
     fn add_one(bins: &mut Bins, binning: &Binning, reference: &Reference) {
         let corners = corners(reference);
         let place = binning.place(center(corners));
-        // SAFETY: see `Avx2`; boxes are eight aligned floats, and masked numbers are below
+        // SAFETY: see `Avx2`; boxes are eight aligned floats, and masked indices are below
         // `MAX_BINS`.
         unsafe {
             let grown = _mm256_xor_ps(corners, upper_signs());
@@ -126,8 +126,8 @@ mod avx2 {
                 }
                 return;
             }
-            // Neighbours often fall into the same bin. Where they take turns between two sets, the
-            // one need not wait for the other.
+            // Neighbours often fall into the same bin. Alternating between two sets removes the
+            // dependency between them.
             let mut others = bins.new_like();
             let mut pairs = references.chunks_exact(2);
             for pair in &mut pairs {
@@ -145,8 +145,8 @@ mod avx2 {
             let first: *mut f32 = references.as_mut_ptr().cast();
             let mut centers = [Box4::EMPTY; 2];
             let mut left = 0;
-            // SAFETY: see `Avx2`; references and boxes are eight aligned floats, and `left` is
-            // never beyond the reference that is looked at.
+            // SAFETY: see `Avx2`; references and boxes are eight aligned floats, and `left` never
+            // exceeds `index`.
             unsafe {
                 let axis = _mm256_set1_epi32(plane.axis as i32);
                 let limit = _mm256_set1_ps(plane.limit);

@@ -1,8 +1,8 @@
-//! Spatial splits: large slanted triangles are cut into several references before the build, each
+//! Spatial splits: before the build, large slanted triangles are cut into several references, each
 //! with a box around a part.
 //!
 //! Karras and Aila, *Fast Parallel Construction of High-Quality Bounding Volume Hierarchies* (HPG
-//! 2013), section 4.3: the splits go where boxes are emptiest, and cut at planes of a grid over the
+//! 2013), section 4.3: the emptiest boxes are split most. The cuts are at planes of a grid over the
 //! scene, so that neighbouring triangles are cut at the same places.
 
 use super::reference::Reference;
@@ -11,11 +11,11 @@ use etendue_math::Bounds3;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The grid has 2 to this power cells on each axis.
+/// The grid has 2^`GRID_BITS` cells per axis.
 const GRID_BITS: i32 = 16;
 
-/// The references with those that are worth it cut, at most `budget` more as a part of their
-/// number; empty where there is nothing to cut.
+/// The references after splitting the worthwhile ones. At most `budget` times their number are
+/// added. Empty if there is nothing to split.
 pub(super) fn presplit(
     references: &[Reference],
     geometries: &[GeometryView<'_>],
@@ -28,7 +28,7 @@ pub(super) fn presplit(
     let corners = |reference: &Reference| triangle_of(reference, geometries);
     let priorities: Vec<f64> =
         references.par_iter().map(|r| if r.is_custom() { 0.0 } else { emptiness(r) }).collect();
-    // In the order of the references, so that threads do not change the sum.
+    // Sequential, so that the sum does not depend on the number of threads.
     let total: f64 = priorities.iter().sum();
     if !(total > 0.0 && total.is_finite()) {
         return Vec::new();
@@ -36,7 +36,7 @@ pub(super) fn presplit(
     let per_priority = f64::from(budget) * references.len() as f64 / total;
     let scene = references.iter().fold(Bounds3::EMPTY, |all, r| all.union(r.bounds()));
     let grid = Grid::new(&scene);
-    // The whole parts of a running sum, so that many small claims get their share of splits too.
+    // The integer steps of a running sum, so that many small priorities get their share of splits.
     let mut claimed = 0.0_f64;
     let splits: Vec<usize> = priorities
         .iter()
@@ -61,10 +61,10 @@ pub(super) fn presplit(
     split.into_iter().flatten().collect()
 }
 
-/// No more splits per reference on average, whatever is asked for: they cost memory.
+/// The maximum number of splits per reference on average, to bound memory.
 const MAX_BUDGET: f32 = 8.0;
 
-/// No triangle is cut more often; this also bounds the recursion.
+/// The maximum number of cuts of one triangle; this also bounds the recursion.
 const MAX_SPLITS: usize = 256;
 
 fn triangle_of(reference: &Reference, geometries: &[GeometryView<'_>]) -> Option<[DVec3; 3]> {
@@ -75,17 +75,18 @@ fn triangle_of(reference: &Reference, geometries: &[GeometryView<'_>]) -> Option
     Some(corners.map(|index| mesh.positions[index as usize].as_dvec3()))
 }
 
-/// The side of the cube as large as the box: what a triangle's slant wastes.
+/// The side of a cube with the volume of the box: the space that a slanted triangle wastes.
 ///
-/// The paper goes by the surface that ideal boxes would save, which is half of it for every flat
-/// box around a triangle too. Cutting walls and floors for that made rays a third slower: a wall
-/// in one leaf near the root is tested once, its pieces spread through the tree swell many nodes.
+/// The paper uses the surface area that ideal boxes would save. For a flat box around a triangle
+/// that is half its area, so walls and floors were cut, and rays were a third slower: a wall in one
+/// leaf near the root is tested once, but its pieces spread through the tree and enlarge many
+/// nodes.
 fn emptiness(reference: &Reference) -> f64 {
     let extent = reference.bounds().extent().as_dvec3();
     (extent.x * extent.y * extent.z).cbrt()
 }
 
-/// The planes at which triangles are cut.
+/// The planes where triangles are cut.
 struct Grid {
     origin: Vec3,
     cell: Vec3,
@@ -97,8 +98,7 @@ impl Grid {
         Self { origin: scene.min, cell: scene.extent() / cells }
     }
 
-    /// The plane of the coarsest grid that passes through the inside of the interval, or its
-    /// middle.
+    /// The coarsest grid plane inside the interval, or else the middle of the interval.
     fn plane(&self, axis: usize, least: f32, greatest: f32) -> f32 {
         let (origin, cell) = (self.origin[axis], self.cell[axis]);
         let number = |place: f32| ((place - origin) / cell) as u32;
@@ -110,8 +110,8 @@ impl Grid {
     }
 }
 
-/// Cuts a reference and distributes the remaining splits by the sizes of the parts. Every level
-/// uses up a split, so the recursion is at most [`MAX_SPLITS`] deep.
+/// Cuts a reference, and distributes the remaining splits by the areas of the parts. Every level
+/// consumes a split, so the recursion is at most [`MAX_SPLITS`] deep.
 fn cut(
     reference: Reference,
     triangle: &[DVec3; 3],
@@ -141,8 +141,8 @@ fn cut(
     cut(reference.with_bounds(right), triangle, (grid, splits - 1 - to_left), parts);
 }
 
-/// Boxes around the parts of a triangle on the two sides of a plane. A coordinate where an edge
-/// meets the plane is off by one rounding, for which the enlargement of boxes has room.
+/// The boxes around the parts of a triangle on the two sides of a plane. The point where an edge
+/// crosses the plane is off by one rounding, which the padding of boxes allows for.
 fn halves(triangle: &[DVec3; 3], axis: usize, plane: f32) -> [Bounds3; 2] {
     let mut boxes = [Bounds3::EMPTY; 2];
     let at = f64::from(plane);

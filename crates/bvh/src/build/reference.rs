@@ -1,36 +1,36 @@
-//! What is sorted into the tree: a box and the name of what is inside.
+//! The references that are sorted into the tree: boxes, and the ids of what they contain.
 
 use crate::error::BuildError;
+use crate::error_bounds::transformed_bounds;
 use crate::geometry::{GeometryView, TriangleMeshView};
-use crate::instance::world_bounds;
 use crate::memory::concatenate;
 use etendue_math::Bounds3;
 use glam::{Vec3, Vec4};
 use std::iter::repeat;
 use std::sync::{Mutex, PoisonError};
 
-/// A box and what it holds. The fourth components carry the names, as bits, so that a reference is
-/// two SIMD registers, or one.
+/// A box and the id of its content. The fourth components hold the id as raw bits, so that a
+/// reference fits two SSE registers or one AVX register.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Reference {
-    /// The least corner; w: the geometry, with [`Reference::CUSTOM`].
+    /// The minimum corner; w: the geometry, with [`Reference::CUSTOM`].
     pub(super) min: Vec4,
-    /// The greatest corner; w: the triangle, user primitive, or index of the instance.
+    /// The maximum corner; w: the triangle, user primitive, or index of the instance.
     pub(super) max: Vec4,
 }
 
 impl Reference {
-    /// So many are one task for a thread, where they are many and order does not matter. Always the
-    /// same number, so that no result depends on the number of threads.
+    /// The number of references per parallel task. Constant, so that no result depends on the
+    /// number of threads.
     pub(super) const CHUNK: usize = 16 * 1024;
 
-    /// Set in the geometry of what is not a triangle.
+    /// Set in the geometry of anything but a triangle.
     const CUSTOM: u32 = 1 << 31;
-    /// Set, besides, in the geometry of an instance.
+    /// Also set in the geometry of an instance.
     const INSTANCE: u32 = 1 << 30;
 
-    /// Stands in for a triangle that is left out.
+    /// Stands for a triangle that is left out.
     const NOTHING: Self =
         Self { min: Vec4::splat(f32::INFINITY), max: Vec4::splat(f32::NEG_INFINITY) };
 
@@ -65,21 +65,21 @@ impl Reference {
         Bounds3::new(self.min.truncate(), self.max.truncate())
     }
 
-    /// The same with another box.
+    /// The same content with another box.
     pub(super) fn with_bounds(self, bounds: Bounds3) -> Self {
         Self { min: bounds.min.extend(self.min.w), max: bounds.max.extend(self.max.w) }
     }
 
-    /// The centre of the box; the fourth component means nothing.
+    /// The centre of the box; the fourth component is unspecified.
     #[inline(always)]
     pub(super) fn center(&self) -> Vec4 {
         self.min * 0.5 + self.max * 0.5
     }
 }
 
-/// The references of all geometries: those of triangles first, and then the others, each in the order
-/// of the geometries but for the last triangles, which take the places of those without area. Empty
-/// boxes are left out as well: nothing can hit either.
+/// The references of all geometries: triangles first, then everything else, each in the order of the
+/// geometries, except that the last triangles fill the gaps of degenerate ones. Degenerate
+/// triangles and empty boxes are left out, because nothing can hit them.
 pub(super) fn collect(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>, BuildError> {
     if geometries.len() >= Reference::INSTANCE as usize {
         return Err(BuildError::TooManyPrimitives);
@@ -92,13 +92,13 @@ pub(super) fn collect(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>,
             GeometryView::User(boxes) => collect_boxes(geometry, boxes, &mut references)?,
             GeometryView::Instance { group, to_world } => {
                 let index: usize = next_instance.next().unwrap_or(usize::MAX);
-                let bounds = world_bounds(group.bounds(), *to_world);
+                let bounds = transformed_bounds(group.bounds(), *to_world);
                 if !bounds.is_empty() {
                     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
                         return Err(BuildError::SingularTransform { geometry });
                     }
-                    let name = geometry | Reference::CUSTOM | Reference::INSTANCE;
-                    references.push(Reference::new(bounds, name, index as u32));
+                    let id = geometry | Reference::CUSTOM | Reference::INSTANCE;
+                    references.push(Reference::new(bounds, id, index as u32));
                 }
             }
         }
@@ -114,7 +114,7 @@ fn custom_count(view: &GeometryView<'_>) -> usize {
     }
 }
 
-/// Some triangles of one mesh.
+/// A range of the triangles of one mesh.
 struct Chunk<'a> {
     geometry: u32,
     mesh: TriangleMeshView<'a>,
@@ -124,30 +124,30 @@ struct Chunk<'a> {
 }
 
 impl Chunk<'_> {
-    /// A reference for each triangle; [`Reference::NOTHING`] for those without area, which come
-    /// last. The lowest triangle that cannot be goes to `faulty`, and has no area either.
+    /// One reference per triangle, with a [`Reference::NOTHING`] at the end for each degenerate
+    /// one. The lowest invalid triangle is recorded in `invalid`, and is left out, too.
     fn references<'a>(
         &'a self,
-        faulty: &'a Mutex<Option<(u32, u32)>>,
+        invalid: &'a Mutex<Option<(u32, u32)>>,
     ) -> impl Iterator<Item = Reference> + 'a {
         let first = self.first as usize;
         let triangles = (self.first..).zip(&self.mesh.indices[first..first + self.count]);
-        let solid = triangles.filter_map(move |(primitive, indices)| {
+        let valid = triangles.filter_map(move |(primitive, indices)| {
             match triangle(self.geometry, primitive, indices, &self.mesh) {
                 Ok(reference) => reference,
                 Err(_) => {
-                    let mut lowest = faulty.lock().unwrap_or_else(PoisonError::into_inner);
+                    let mut lowest = invalid.lock().unwrap_or_else(PoisonError::into_inner);
                     let this = (self.geometry, primitive);
                     *lowest = Some(lowest.map_or(this, |other| other.min(this)));
                     None
                 }
             }
         });
-        solid.chain(repeat(Reference::NOTHING)).take(self.count)
+        valid.chain(repeat(Reference::NOTHING)).take(self.count)
     }
 }
 
-/// The references of triangles, with room for the others.
+/// The references of all triangles, with capacity for the other references.
 fn collect_triangles(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>, BuildError> {
     let mut chunks = Vec::new();
     for (geometry, view) in (0_u32..).zip(geometries) {
@@ -158,16 +158,17 @@ fn collect_triangles(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>, 
             Chunk { geometry, mesh, first, count }
         }));
     }
-    let faulty = Mutex::new(None);
+    let invalid = Mutex::new(None);
     let others = geometries.iter().map(custom_count).sum();
     let mut references =
-        concatenate(&chunks, others, |chunk| chunk.count, |chunk| chunk.references(&faulty));
-    if let Some((geometry, primitive)) = faulty.into_inner().unwrap_or_else(PoisonError::into_inner)
+        concatenate(&chunks, others, |chunk| chunk.count, |chunk| chunk.references(&invalid));
+    if let Some((geometry, primitive)) =
+        invalid.into_inner().unwrap_or_else(PoisonError::into_inner)
         && let GeometryView::Triangles(mesh) = &geometries[geometry as usize]
     {
         triangle(geometry, primitive, &mesh.indices[primitive as usize], mesh)?;
     }
-    // From the end on, so that what comes last is always a triangle, or itself to be removed.
+    // From the end, so that the last reference is always a triangle or one to be removed.
     let mut end = references.len();
     for chunk in chunks.iter().rev() {
         let start = end - chunk.count;
@@ -180,7 +181,7 @@ fn collect_triangles(geometries: &[GeometryView<'_>]) -> Result<Vec<Reference>, 
     Ok(references)
 }
 
-/// One triangle's reference, or `None` where it has no area.
+/// The reference of one triangle, or `None` if it is degenerate.
 fn triangle(
     geometry: u32,
     primitive: u32,
@@ -201,14 +202,14 @@ fn triangle(
         }
     }
     let [a, b, c] = corners;
-    if has_no_area(a, b, c) {
+    if is_degenerate(a, b, c) {
         return Ok(None);
     }
     Ok(Some(Reference::new(Bounds3::new(a.min(b).min(c), a.max(b).max(c)), geometry, primitive)))
 }
 
-/// Whether the corners are on one line, as far as double precision can tell.
-fn has_no_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
+/// Whether the corners are collinear, in double precision.
+fn is_degenerate(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a) == glam::DVec3::ZERO
 }

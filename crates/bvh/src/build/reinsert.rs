@@ -1,23 +1,23 @@
-//! Rearranges a binary tree: subtrees are taken out and put where they swell the boxes less.
+//! Optimises a binary tree by reinsertion: subtrees are moved to where they enlarge boxes less.
 //!
 //! Bittner, Hapala and Havran, *Fast Insertion-Based Optimization of Bounding Volume Hierarchies*
 //! (Computer Graphics Forum 2013), with the search of Meister and Bittner, *Parallel Reinsertion for
-//! Bounding Volume Hierarchy Optimization* (Computer Graphics Forum 2018), which finds the best new
-//! place by walking up from the old one. One after the other, largest first: the tree is small.
+//! Bounding Volume Hierarchy Optimization* (Computer Graphics Forum 2018), which starts at the old
+//! position and walks up. Sequential, largest subtrees first: the tree is small.
 
 use super::extent::Box4;
-use super::top::{Below, TopNode};
+use super::top_node::{Below, TopNode};
 
-/// How often all nodes are tried. A fourth time finds hardly anything.
+/// The number of passes over all nodes. A fourth finds hardly any improvement.
 const PASSES: usize = 3;
 
-/// Moves subtrees for as long as their search takes no more than `visits` looks at nodes. The root
-/// stays first, and nodes keep their numbers.
+/// Moves subtrees until the search has visited `visits` nodes. The root stays first, and nodes keep
+/// their indices.
 pub(super) fn improve(nodes: &mut [TopNode], visits: usize) {
-    let mut search = Search { waiting: Vec::new(), visits };
+    let mut search = Search { stack: Vec::new(), visits };
     for _ in 0..PASSES {
         let mut order: Vec<u32> = (1..nodes.len() as u32).collect();
-        // Areas are not negative, so their bits are ordered as they are.
+        // Areas are not negative, so their bits sort like the floats.
         order.sort_unstable_by_key(|&index| (!nodes[index as usize].area().to_bits(), index));
         for index in order {
             if let Some(place) = search.best_place(nodes, index) {
@@ -27,20 +27,20 @@ pub(super) fn improve(nodes: &mut [TopNode], visits: usize) {
     }
 }
 
-/// The search for better places.
+/// The search for better positions.
 struct Search {
-    /// Nodes that are still to be looked at, and how much area is won above them.
-    waiting: Vec<(f32, u32)>,
-    /// How many nodes may still be looked at.
+    /// Nodes yet to be visited, each with the area saved above it.
+    stack: Vec<(f32, u32)>,
+    /// The remaining number of visits.
     visits: usize,
 }
 
 impl Search {
-    /// The node that had better be the sibling of this one, if any.
+    /// The best new sibling of a node, if that saves area.
     ///
-    /// Taking a node out makes its parent vanish, and its ancestors shrink up to the node where the
-    /// way to the new place branches off. Putting it in makes a new parent there, and swells the
-    /// nodes on the way.
+    /// Removing a node also removes its parent, and shrinks its ancestors up to the node where the
+    /// path to the new position branches off. Inserting it adds a new parent there, and enlarges
+    /// the nodes on the path.
     fn best_place(&mut self, nodes: &[TopNode], index: u32) -> Option<u32> {
         let moved = &nodes[index as usize];
         let area = moved.area();
@@ -50,33 +50,33 @@ impl Search {
         }
         let old_sibling = sibling(nodes, index);
         let mut best = (0.0, None);
-        let mut won = nodes[parent as usize].area();
+        let mut saved = nodes[parent as usize].area();
         let (mut pivot, mut branch) = (parent, old_sibling);
         let mut shrunken = nodes[old_sibling as usize].bounds;
         loop {
-            self.waiting.push((won, branch));
-            while let Some((won, place)) = self.waiting.pop() {
-                if won - area <= best.0 {
+            self.stack.push((saved, branch));
+            while let Some((saved, place)) = self.stack.pop() {
+                if saved - area <= best.0 {
                     continue;
                 }
                 if self.visits == 0 {
-                    self.waiting.clear();
+                    self.stack.clear();
                     return None;
                 }
                 self.visits -= 1;
                 let node = &nodes[place as usize];
-                let won = won - union(&node.bounds, &moved.bounds).half_area();
-                if won > best.0 && place != old_sibling {
-                    best = (won, Some(place));
+                let saved = saved - union(&node.bounds, &moved.bounds).half_area();
+                if saved > best.0 && place != old_sibling {
+                    best = (saved, Some(place));
                 }
                 if let Below::Nodes(children) = node.below {
-                    let won = won + node.area();
-                    self.waiting.extend(children.map(|child| (won, child)));
+                    let saved = saved + node.area();
+                    self.stack.extend(children.map(|child| (saved, child)));
                 }
             }
             if pivot != parent {
                 shrunken.grow(&nodes[branch as usize].bounds);
-                won += nodes[pivot as usize].area() - shrunken.half_area();
+                saved += nodes[pivot as usize].area() - shrunken.half_area();
             }
             let above = nodes[pivot as usize].parent;
             if above == TopNode::NONE {
@@ -99,12 +99,12 @@ fn sibling(nodes: &[TopNode], index: u32) -> u32 {
     match nodes[nodes[index as usize].parent as usize].below {
         Below::Nodes([left, right]) if left == index => right,
         Below::Nodes([left, _]) => left,
-        // Parents have children, so this is never reached.
+        // Unreachable: parents have children.
         Below::Part(_) => index,
     }
 }
 
-/// Makes a node the sibling of another. Its old parent, which is not the root, becomes the new one.
+/// Makes a node the sibling of another. Its old parent, which is not the root, becomes their parent.
 fn relocate(nodes: &mut [TopNode], index: u32, place: u32) {
     let parent = nodes[index as usize].parent;
     let above = nodes[parent as usize].parent;
@@ -124,7 +124,7 @@ fn replace_child(nodes: &mut [TopNode], parent: u32, [old, new]: [u32; 2]) {
     nodes[new as usize].parent = parent;
 }
 
-/// Fits the boxes of a node and its ancestors to their children.
+/// Recomputes the boxes of a node and its ancestors.
 fn refit(nodes: &mut [TopNode], from: u32) {
     let mut index = from;
     while index != TopNode::NONE {
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use glam::Vec4;
 
-    /// A chain: every node has one part and the rest of the chain.
+    /// A degenerate tree: every node has one part and the rest of the chain.
     fn chain(parts: &[Box4]) -> Vec<TopNode> {
         let last = parts.len() as u32 - 1;
         let mut nodes = Vec::new();
@@ -158,7 +158,7 @@ mod tests {
         nodes
     }
 
-    /// Small boxes along an axis, each at the place of its number times a stride.
+    /// Unit boxes along an axis, in an order scrambled by a stride.
     fn scattered(count: usize, stride: usize) -> Vec<Box4> {
         let corner = |number: usize| Vec4::new((number * stride % count) as f32, 0.0, 0.0, 0.0);
         (0..count)
@@ -170,7 +170,7 @@ mod tests {
         nodes.iter().map(TopNode::area).sum()
     }
 
-    /// The parts below a node in ascending order, after a look at what links and boxes say.
+    /// The parts below a node in ascending order, after checking links and boxes.
     fn parts_below(nodes: &[TopNode], index: u32) -> Vec<u32> {
         let node = &nodes[index as usize];
         let children = match node.below {
@@ -196,8 +196,8 @@ mod tests {
         // The best tree halves the row on each of six levels: 2ᵏ nodes of half area 2 · 64/2ᵏ + 1.
         let best: f32 = (0..=6).map(|level| 128.0 + f32::from(1_u8 << level)).sum();
         let after = total_area(&nodes);
-        let (won, possible) = (before - after, before - best);
-        assert!(won > 0.95 * possible, "{before} became {after}; it could be {best}");
+        let (saved, possible) = (before - after, before - best);
+        assert!(saved > 0.95 * possible, "{before} became {after}; the optimum is {best}");
     }
 
     #[test]

@@ -1,20 +1,20 @@
 //! Eight lanes in one AVX register.
 //!
-//! The functions here are always inlined into callers that are compiled for AVX2 (the entry points
-//! of `traverse`), and have no place elsewhere: [`Avx2`] is named only there.
+//! These functions are always inlined into callers that are compiled for AVX2 (the entry points of
+//! `traverse`). [`Avx2`] must not be used anywhere else.
 
-use super::{PLACES, Simd};
+use super::{COMPRESSED_LANES, Simd};
 use crate::node::F32x8;
 use std::arch::x86_64::*;
 
 /// The AVX2 tier.
 pub(crate) struct Avx2;
 
-/// Runs intrinsics that the tier's machine has.
+/// Wraps intrinsics whose instructions the tier guarantees.
 macro_rules! intrinsics {
     ($body:expr) => {
         // SAFETY: the entry points of `traverse` select this tier only after `Tier::is_available`
-        // has found AVX2 and FMA; references to `F32x8` are valid and aligned to 32 bytes.
+        // has detected AVX2 and FMA; references to `F32x8` are valid and aligned to 32 bytes.
         unsafe { $body }
     };
 }
@@ -66,17 +66,17 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn least(a: __m256, b: __m256) -> __m256 {
+    fn min(a: __m256, b: __m256) -> __m256 {
         intrinsics!(_mm256_min_ps(a, b))
     }
 
     #[inline(always)]
-    fn greatest(a: __m256, b: __m256) -> __m256 {
+    fn max(a: __m256, b: __m256) -> __m256 {
         intrinsics!(_mm256_max_ps(a, b))
     }
 
     #[inline(always)]
-    fn absolute(a: __m256) -> __m256 {
+    fn abs(a: __m256) -> __m256 {
         intrinsics!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
     }
 
@@ -101,7 +101,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn bits(mask: __m256) -> u32 {
+    fn bitmask(mask: __m256) -> u32 {
         intrinsics!(_mm256_movemask_ps(mask) as u32)
     }
 
@@ -111,7 +111,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn least_lane(vector: __m256) -> f32 {
+    fn reduce_min(vector: __m256) -> f32 {
         intrinsics!({
             let [low, high] = [_mm256_castps256_ps128(vector), _mm256_extractf128_ps::<1>(vector)];
             let four = _mm_min_ps(low, high);
@@ -122,7 +122,7 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     unsafe fn compress(words: &[u32; 8], mask: u32, to: *mut u32) {
-        let places = PLACES[mask as usize & 0xff].as_ptr();
+        let places = COMPRESSED_LANES[mask as usize & 0xff].as_ptr();
         intrinsics!({
             let places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(places.cast()));
             let words = _mm256_loadu_si256(words.as_ptr().cast());

@@ -1,6 +1,6 @@
-//! Eight lanes as an array: the tier of every machine, and the oracle of the others.
+//! Eight lanes as an array: runs on every machine, and is the reference for the other tiers.
 
-use super::{PLACES, Simd};
+use super::{COMPRESSED_LANES, Simd};
 use crate::node::{F32x8, WIDTH};
 
 /// The portable tier.
@@ -57,22 +57,22 @@ impl Simd for Portable {
 
     #[inline(always)]
     fn multiply_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
-        // Not f32::mul_add, which is a library call where the machine has no such instruction.
+        // Not `f32::mul_add`, which is a library call on machines without the instruction.
         std::array::from_fn(|lane| a[lane] * b[lane] + c[lane])
     }
 
     #[inline(always)]
-    fn least(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+    fn min(a: Self::Vector, b: Self::Vector) -> Self::Vector {
         map(a, b, |a, b| if a < b { a } else { b })
     }
 
     #[inline(always)]
-    fn greatest(a: Self::Vector, b: Self::Vector) -> Self::Vector {
+    fn max(a: Self::Vector, b: Self::Vector) -> Self::Vector {
         map(a, b, |a, b| if a > b { a } else { b })
     }
 
     #[inline(always)]
-    fn absolute(a: Self::Vector) -> Self::Vector {
+    fn abs(a: Self::Vector) -> Self::Vector {
         a.map(f32::abs)
     }
 
@@ -97,7 +97,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn bits(mask: u32) -> u32 {
+    fn bitmask(mask: u32) -> u32 {
         mask
     }
 
@@ -107,7 +107,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn least_lane(vector: Self::Vector) -> f32 {
+    fn reduce_min(vector: Self::Vector) -> f32 {
         vector
             .into_iter()
             .fold(f32::INFINITY, |least, number| if number < least { number } else { least })
@@ -115,9 +115,9 @@ impl Simd for Portable {
 
     #[inline(always)]
     unsafe fn compress(words: &[u32; WIDTH], mask: u32, to: *mut u32) {
-        let places = &PLACES[mask as usize & 0xff];
+        let places = &COMPRESSED_LANES[mask as usize & 0xff];
         for (lane, &place) in places.iter().enumerate() {
-            // SAFETY: the caller says that there is room for eight words.
+            // SAFETY: the caller guarantees room for eight words.
             unsafe { to.add(lane).write(words[place as usize & (WIDTH - 1)]) };
         }
     }

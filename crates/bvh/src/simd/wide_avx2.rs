@@ -1,23 +1,23 @@
-//! Eight lanes in one AVX register.
+//! Packets of eight rays in one AVX register.
 //!
-//! The functions here are always inlined into callers that are compiled for AVX2 (the entry points
-//! of `traverse`), and have no place elsewhere: `Wide` is used with [`Avx2`] only there.
+//! These functions are always inlined into callers that are compiled for AVX2 (the entry points of
+//! `traverse`). `Wide` must not be used with [`Avx2`] anywhere else.
 
 use super::avx2::Avx2;
-use super::wide::{MOST, Row, Wide};
+use super::wide::{MAX_LANES, Row, Wide};
 use crate::node::{F32x8, WIDTH};
 use std::arch::x86_64::*;
 
-/// Runs intrinsics that the tier's machine has.
+/// Wraps intrinsics whose instructions the tier guarantees.
 macro_rules! intrinsics {
     ($body:expr) => {
         // SAFETY: the entry points of `traverse` select this tier only after `Tier::is_available`
-        // has found AVX2 and FMA; references to `Row` are valid and aligned to 64 bytes.
+        // has detected AVX2 and FMA; references to `Row` are valid and aligned to 64 bytes.
         unsafe { $body }
     };
 }
 
-/// All bits of the lanes of a set.
+/// A vector whose lanes in the set have all bits set.
 #[inline(always)]
 fn mask(lanes: u32) -> __m256 {
     intrinsics!({
@@ -30,7 +30,7 @@ fn mask(lanes: u32) -> __m256 {
 impl Wide for Avx2 {
     const LANES: usize = WIDTH;
     type Vector = __m256;
-    /// The lanes with y, and those with z.
+    /// The lanes on y, and those on z.
     type Axes = (__m256, __m256);
     type Vertex<'a> = &'a [F32x8; 3];
 
@@ -46,7 +46,7 @@ impl Wide for Avx2 {
 
     #[inline(always)]
     fn store(vector: __m256) -> Row {
-        let mut row = Row([0.0; MOST]);
+        let mut row = Row([0.0; MAX_LANES]);
         intrinsics!(_mm256_store_ps(row.0.as_mut_ptr(), vector));
         row
     }
@@ -77,25 +77,25 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
-    fn least(a: __m256, b: __m256) -> __m256 {
+    fn min(a: __m256, b: __m256) -> __m256 {
         intrinsics!(_mm256_min_ps(a, b))
     }
 
     #[inline(always)]
-    fn greatest(a: __m256, b: __m256) -> __m256 {
+    fn max(a: __m256, b: __m256) -> __m256 {
         intrinsics!(_mm256_max_ps(a, b))
     }
 
     #[inline(always)]
-    fn absolute(a: __m256) -> __m256 {
+    fn abs(a: __m256) -> __m256 {
         intrinsics!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
     }
 
     #[inline(always)]
-    fn with_sign(size: __m256, sign: __m256) -> __m256 {
+    fn copysign(magnitude: __m256, sign: __m256) -> __m256 {
         intrinsics!({
             let bit = _mm256_set1_ps(-0.0);
-            _mm256_or_ps(_mm256_andnot_ps(bit, size), _mm256_and_ps(bit, sign))
+            _mm256_or_ps(_mm256_andnot_ps(bit, magnitude), _mm256_and_ps(bit, sign))
         })
     }
 

@@ -1,28 +1,29 @@
-//! Sixteen lanes in one AVX-512 register.
+//! Packets of sixteen rays in one AVX-512 register.
 //!
-//! The functions here are always inlined into callers that are compiled for AVX-512 (the entry
-//! points of `traverse`), and have no place elsewhere: [`Avx512`] is named only there.
+//! These functions are always inlined into callers that are compiled for AVX-512 (the entry points
+//! of `traverse`). [`Avx512`] must not be used anywhere else.
 
-use super::wide::{MOST, Row, Wide};
+use super::wide::{MAX_LANES, Row, Wide};
 use crate::node::{F32x8, WIDTH};
 use std::arch::x86_64::*;
 
-/// Packets of the AVX-512 tier.
+/// The packets of the AVX-512 tier.
 pub(crate) struct Avx512;
 
-/// Runs intrinsics that the tier's machine has.
+/// Wraps intrinsics whose instructions the tier guarantees.
 macro_rules! intrinsics {
     ($body:expr) => {
         // SAFETY: the entry points of `traverse` select this tier only after `Tier::is_available`
-        // has found AVX-512 F, VL, DQ and BW; references to `Row` are valid and aligned to 64 bytes.
+        // has detected AVX-512 F, VL, DQ and BW; references to `Row` are valid and aligned to 64
+        // bytes.
         unsafe { $body }
     };
 }
 
 impl Wide for Avx512 {
-    const LANES: usize = MOST;
+    const LANES: usize = MAX_LANES;
     type Vector = __m512;
-    /// For each lane the axis, times [`WIDTH`].
+    /// The axis of each lane, times [`WIDTH`].
     type Axes = __m512i;
     /// x and y, then z.
     type Vertex<'a> = (__m512, __m512);
@@ -39,7 +40,7 @@ impl Wide for Avx512 {
 
     #[inline(always)]
     fn store(vector: __m512) -> Row {
-        let mut row = Row([0.0; MOST]);
+        let mut row = Row([0.0; MAX_LANES]);
         intrinsics!(_mm512_store_ps(row.0.as_mut_ptr(), vector));
         row
     }
@@ -70,25 +71,25 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    fn least(a: __m512, b: __m512) -> __m512 {
+    fn min(a: __m512, b: __m512) -> __m512 {
         intrinsics!(_mm512_min_ps(a, b))
     }
 
     #[inline(always)]
-    fn greatest(a: __m512, b: __m512) -> __m512 {
+    fn max(a: __m512, b: __m512) -> __m512 {
         intrinsics!(_mm512_max_ps(a, b))
     }
 
     #[inline(always)]
-    fn absolute(a: __m512) -> __m512 {
+    fn abs(a: __m512) -> __m512 {
         intrinsics!(_mm512_andnot_ps(_mm512_set1_ps(-0.0), a))
     }
 
     #[inline(always)]
-    fn with_sign(size: __m512, sign: __m512) -> __m512 {
+    fn copysign(magnitude: __m512, sign: __m512) -> __m512 {
         intrinsics!({
             let bit = _mm512_set1_ps(-0.0);
-            _mm512_or_ps(_mm512_andnot_ps(bit, size), _mm512_and_ps(bit, sign))
+            _mm512_or_ps(_mm512_andnot_ps(bit, magnitude), _mm512_and_ps(bit, sign))
         })
     }
 
@@ -118,7 +119,7 @@ impl Wide for Avx512 {
     #[inline(always)]
     fn set_words(row: &mut Row<u32>, lanes: u32, word: u32) {
         intrinsics!({
-            // Not a masked store, which the next load would have to wait for.
+            // Not a masked store: the next load would have to wait for it.
             let words = _mm512_load_si512(row.0.as_ptr().cast());
             let words = _mm512_mask_set1_epi32(words, lanes as u16, word as i32);
             _mm512_store_si512(row.0.as_mut_ptr().cast(), words);

@@ -1,29 +1,30 @@
-//! Rays in packets, one in each SIMD lane.
+//! Ray packets: one ray per SIMD lane.
 //!
-//! A box or a triangle is tested against all rays of a packet at once, which is worth it where most
-//! of them meet the same ones: always in small trees, and where rays are coherent. The tests are
-//! those of the single ray to the last bit, and so are the hits. Where few rays of a packet go on
-//! together they go on alone, as do those with coordinates near the ends of the range.
+//! A box or triangle is tested against all rays of a packet at once. This pays off where most of
+//! them meet the same boxes: always in small trees, and where rays are coherent. The tests, and so
+//! the hits, are those of single rays to the last bit. Where only a few rays of a packet remain
+//! active, they are traced singly, as are rays whose coordinates may overflow.
 
 mod any;
-pub(super) mod choice;
 mod closest;
+pub(super) mod coherence;
 mod rays;
 mod triangles;
 mod walk;
 
-use crate::bvh::{Bvh, Hit};
+use crate::bvh::Bvh;
+use crate::hit::Hit;
 use crate::node::Child;
 use crate::simd::wide::Wide;
 use etendue_math::Ray;
 use rays::{Columns, Packet};
 
-/// Appends the nearest hits of many rays. `alone` finds that of one ray below a child.
+/// Appends the nearest hits of many rays. `trace_single` finds the hit of one ray below a child.
 #[inline(always)]
 pub(super) fn intersect_many<W: Wide>(
     bvh: &Bvh,
     rays: &[Ray],
-    alone: impl Fn(&Ray, Child) -> Option<Hit> + Copy,
+    trace_single: impl Fn(&Ray, Child) -> Option<Hit> + Copy,
     hits: &mut Vec<Option<Hit>>,
 ) {
     let reach = reach(bvh);
@@ -37,18 +38,18 @@ pub(super) fn intersect_many<W: Wide>(
         let hits = hits.next().unwrap_or_default();
         columns[(number + 1) % 2].fill::<W>(packets.clone().nth(number + 1).unwrap_or_default());
         let packet = Packet::<W>::new(&columns[number % 2], reach);
-        let mut query = closest::Closest::new(bvh, rays, &packet, alone);
-        walk::walk::<W, _>(bvh, &packet, packet.ordinary, &mut query);
-        query.finish::<W>(packet.ordinary, hits);
+        let mut query = closest::Closest::new(bvh, rays, &packet, trace_single);
+        walk::walk::<W, _>(bvh, &packet, packet.regular, &mut query);
+        query.finish::<W>(packet.regular, hits);
     }
 }
 
-/// Appends for each ray whether there is any hit. `alone` says it of one ray below a child.
+/// Appends for each ray whether it hits anything. `trace_single` tests one ray below a child.
 #[inline(always)]
 pub(super) fn occluded_many<W: Wide>(
     bvh: &Bvh,
     rays: &[Ray],
-    alone: impl Fn(&Ray, Child) -> bool + Copy,
+    trace_single: impl Fn(&Ray, Child) -> bool + Copy,
     occluded: &mut Vec<bool>,
 ) {
     let reach = reach(bvh);
@@ -58,13 +59,13 @@ pub(super) fn occluded_many<W: Wide>(
     for (number, rays) in packets.clone().enumerate() {
         columns[(number + 1) % 2].fill::<W>(packets.clone().nth(number + 1).unwrap_or_default());
         let packet = Packet::<W>::new(&columns[number % 2], reach);
-        let mut query = any::Any::new(rays, &packet, alone);
-        walk::walk::<W, _>(bvh, &packet, packet.ordinary, &mut query);
-        occluded.extend(query.finish(packet.ordinary));
+        let mut query = any::Any::new(rays, &packet, trace_single);
+        walk::walk::<W, _>(bvh, &packet, packet.regular, &mut query);
+        occluded.extend(query.finish(packet.regular));
     }
 }
 
-/// The greatest coordinate of anything in the tree.
+/// The greatest coordinate in the tree by magnitude.
 fn reach(bvh: &Bvh) -> f32 {
     bvh.bounds.min.abs().max(bvh.bounds.max.abs()).max_element()
 }
@@ -75,9 +76,9 @@ mod tests {
     use etendue_math::Ray;
     use glam::Vec3;
 
-    /// A packet goes no deeper than two levels in tests (`walk::DEPTH`).
+    /// In tests, packets descend only two levels (`walk::DEPTH`).
     #[test]
-    fn rays_go_on_alone_below_the_deepest_level_of_packets() {
+    fn rays_are_traced_singly_below_the_deepest_packet_level() {
         let place = |index: u32, scale: f32| (index % 40) as f32 * scale;
         let positions: Vec<Vec3> = (0..1600)
             .map(|index| Vec3::new(place(index, 1.0), (index / 40) as f32, place(index, 0.01)))

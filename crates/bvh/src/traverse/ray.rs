@@ -1,6 +1,6 @@
-//! What the tests need of a ray, computed once per ray.
+//! Per-ray constants of the box and triangle tests.
 
-use crate::error_bounds::{LEAST_DIRECTION, PADDING};
+use crate::error_bounds::{MIN_DIRECTION, PADDING};
 use crate::node::{F32x8, Node, TriangleBlock};
 use crate::simd::Simd;
 use etendue_math::Ray;
@@ -11,17 +11,18 @@ use glam::Vec3A;
 pub(crate) struct RayConstants {
     /// The origin, in the order of `axes`.
     pub(crate) origin: [f32; 3],
-    /// The direction's slope along the minor axes, then one over its greatest component.
+    /// The slopes of the direction along the minor axes, then the inverse of its greatest
+    /// component.
     pub(crate) shear: [f32; 3],
-    /// The two minor axes, then that of the direction's greatest component, as distances in bytes
-    /// between the coordinates of a vertex.
+    /// The two minor axes, then the axis of the direction's greatest component, as byte offsets
+    /// into the coordinates of a vertex.
     axes: [usize; 3],
-    /// One over the direction, whose components are held off zero.
+    /// The inverse of the direction, whose components are clamped away from zero.
     inverse: Vec3A,
 }
 
-/// The constants of the box test, in all lanes: distances on an axis are
-/// `plane · inverse + offset`, and the offset differs between near and far planes by the padding.
+/// The constants of the box test, in all lanes. The distance of a plane is
+/// `plane · inverse + offset`; the offsets of near and far planes differ by the padding.
 pub(crate) struct BoxConstants<S: Simd> {
     x: AxisConstants<S>,
     y: AxisConstants<S>,
@@ -32,34 +33,34 @@ struct AxisConstants<S: Simd> {
     inverse: S::Vector,
     near_offset: S::Vector,
     far_offset: S::Vector,
-    /// Those of the first node's planes that are met first and last.
+    /// The near and far planes of the first node.
     near_plane: *const u8,
     far_plane: *const u8,
 }
 
 impl RayConstants {
-    /// `None` for a ray that hits nothing: with a coordinate that is not finite, or a direction
-    /// without a normal number in it.
+    /// `None` for a ray that hits nothing: a coordinate is not finite, or no component of the
+    /// direction is a normal number.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Option<Self> {
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
-        let size = direction.abs();
-        let greatest = greatest_component(size);
-        // Zero times a number that is not finite is not a number, and neither is their sum.
-        let zero = (origin.abs() + size) * 0.0;
+        let magnitude = direction.abs();
+        let greatest = max_component(magnitude);
+        // Zero times infinity or NaN is NaN, which propagates into the sum.
+        let zero = (origin.abs() + magnitude) * 0.0;
         let usable =
             zero.cmpeq(Vec3A::ZERO).all() & (greatest >= f32::MIN_POSITIVE) & (ray.t_max > 0.0);
         if !usable {
             return None;
         }
-        // By table: which axis it is cannot be foretold, and a wrong guess costs as much as a node.
-        let at_greatest = size.cmpge(Vec3A::splat(greatest)).bitmask() as usize;
+        // A table: the axis is unpredictable, and a misprediction costs as much as a node.
+        let at_greatest = magnitude.cmpge(Vec3A::splat(greatest)).bitmask() as usize;
         let axes = AXES[at_greatest & 7];
-        // The division starts at once: what follows a ray waits for it.
+        // The division starts as early as possible, because everything else waits for it.
         let mut inverse = Vec3A::ONE / direction;
-        let least = Vec3A::splat(greatest * LEAST_DIRECTION);
-        if size.cmplt(least).any() {
-            inverse = held_off_zero(direction, least);
+        let min_magnitude = Vec3A::splat(greatest * MIN_DIRECTION);
+        if magnitude.cmplt(min_magnitude).any() {
+            inverse = clamped_inverse(direction, min_magnitude);
         }
         let [x, y, z] = axes;
         let (place, slope, inverses) =
@@ -73,7 +74,7 @@ impl RayConstants {
         })
     }
 
-    /// A vertex's coordinates of a block in the order of `axes`.
+    /// One coordinate of a vertex of all triangles in a block; `axis` is an index into `axes`.
     #[inline(always)]
     pub(crate) fn coordinate<'a>(
         &self,
@@ -87,21 +88,21 @@ impl RayConstants {
     }
 }
 
-/// One over a direction whose components are held off zero.
+/// The inverse of a direction whose components are clamped away from zero.
 #[cold]
 #[inline(never)]
-fn held_off_zero(direction: Vec3A, least: Vec3A) -> Vec3A {
-    Vec3A::ONE / direction.abs().max(least).copysign(direction)
+fn clamped_inverse(direction: Vec3A, min_magnitude: Vec3A) -> Vec3A {
+    Vec3A::ONE / direction.abs().max(min_magnitude).copysign(direction)
 }
 
-/// As `max_element`, without its care for what is not a number.
+/// As `max_element`, but without handling of NaN.
 #[inline(always)]
-fn greatest_component(vector: Vec3A) -> f32 {
+fn max_component(vector: Vec3A) -> f32 {
     let greater = |a: f32, b: f32| if a > b { a } else { b };
     greater(greater(vector.x, vector.y), vector.z)
 }
 
-/// Three axes in cyclic order, the last of which is among the bits of the place.
+/// For each non-empty set of axes, three axes in cyclic order that end with one of the set.
 static AXES: [[usize; 3]; 8] = {
     const X: [usize; 3] = [1, 2, 0];
     const Y: [usize; 3] = [2, 0, 1];
@@ -109,7 +110,7 @@ static AXES: [[usize; 3]; 8] = {
     [Z, X, Y, X, Z, X, Y, X]
 };
 
-/// For each set of negative directions, the distances of the near and far planes of the axes.
+/// For each set of negative directions, the byte offsets of the near and far planes of each axis.
 static PLANES: [[usize; 6]; 8] = {
     let mut planes = [[0; 6]; 8];
     let mut signs = 0;
@@ -130,15 +131,15 @@ impl<S: Simd> BoxConstants<S> {
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, constants: &RayConstants, nodes: &[Node]) -> Self {
         let origin = Vec3A::from(ray.origin);
-        let padding = greatest_component(origin.abs()) * PADDING;
+        let padding = max_component(origin.abs()) * PADDING;
         let offset = -origin * constants.inverse;
         let padding = padding * constants.inverse.abs();
-        // Where an offset leaves the range, the near one must stay too low and the far one too
-        // high: a fused product of the far plane does not overflow beside an infinity. The second
-        // operands pass on what is not a number, which then bounds nothing.
+        // Where an offset overflows, the near one must stay too low and the far one too high, so
+        // that a fused multiply-add of the far plane does not give NaN. The second operands
+        // propagate NaN, which then does not bound the distance.
         let near = Vec3A::splat(f32::MAX).min(offset - padding);
         let far = Vec3A::splat(f32::MIN).max(offset + padding);
-        // By the direction's signs, which are there before its inverse is.
+        // By the signs of the direction, which are available before its inverse is.
         let planes = &PLANES[Vec3A::from(ray.direction).is_negative_bitmask() as usize & 7];
         let [x, y, z] = constants.inverse.to_array();
         let first = nodes.as_ptr().cast::<u8>();
@@ -150,27 +151,28 @@ impl<S: Simd> BoxConstants<S> {
         }
     }
 
-    /// Which children's boxes the ray meets before `t_max`, and where it enters them.
+    /// The children whose boxes the ray meets before `t_max`, and the distances where it enters
+    /// them.
     ///
     /// # Safety
     ///
-    /// `offset` must be the distance in bytes of a node from the first of the nodes that `self` was
-    /// made for, which must still be there.
+    /// `offset` must be the byte offset of a node from the first of the nodes that `self` was made
+    /// for, which must still be alive.
     #[inline(always)]
-    pub(crate) unsafe fn meet(&self, offset: usize, t_max: S::Vector) -> (u32, S::Vector) {
+    pub(crate) unsafe fn intersect(&self, offset: usize, t_max: S::Vector) -> (u32, S::Vector) {
         let (x, y, z) = (&self.x, &self.y, &self.z);
-        // A distance that is not a number (coordinates near the end of the range) does not bound:
+        // A distance that is NaN (coordinates near overflow) does not bound the interval, because
         // the second operands are never NaN.
-        // SAFETY: the caller's promise is the one that is asked for.
+        // SAFETY: the caller upholds the same requirement.
         let (near, far) = unsafe {
             (
                 [x.near(offset), y.near(offset), z.near(offset)],
                 [x.far(offset), y.far(offset), z.far(offset)],
             )
         };
-        let enter = S::greatest(S::greatest(near[0], near[1]), S::greatest(near[2], S::splat(0.0)));
-        let leave = S::least(S::least(far[0], far[1]), S::least(far[2], t_max));
-        (S::bits(S::less_equal(enter, leave)), enter)
+        let enter = S::max(S::max(near[0], near[1]), S::max(near[2], S::splat(0.0)));
+        let leave = S::min(S::min(far[0], far[1]), S::min(far[2], t_max));
+        (S::bitmask(S::less_equal(enter, leave)), enter)
     }
 }
 
@@ -193,20 +195,20 @@ impl<S: Simd> AxisConstants<S> {
 
     /// # Safety
     ///
-    /// As for [`BoxConstants::meet`].
+    /// As for [`BoxConstants::intersect`].
     #[inline(always)]
     unsafe fn near(&self, offset: usize) -> S::Vector {
-        // SAFETY: a plane of the first node and the distance of another give the other's plane.
+        // SAFETY: a plane of the first node plus the offset of a node is that node's plane.
         let plane = unsafe { &*self.near_plane.add(offset).cast::<F32x8>() };
         S::multiply_add(S::load(plane), self.inverse, self.near_offset)
     }
 
     /// # Safety
     ///
-    /// As for [`BoxConstants::meet`].
+    /// As for [`BoxConstants::intersect`].
     #[inline(always)]
     unsafe fn far(&self, offset: usize) -> S::Vector {
-        // SAFETY: a plane of the first node and the distance of another give the other's plane.
+        // SAFETY: a plane of the first node plus the offset of a node is that node's plane.
         let plane = unsafe { &*self.far_plane.add(offset).cast::<F32x8>() };
         S::multiply_add(S::load(plane), self.inverse, self.far_offset)
     }

@@ -1,16 +1,17 @@
-//! The entry points: the one body of each traversal, compiled for the instructions of each tier.
+//! The entry points: the traversals, compiled for the instruction set of each tier.
 //!
-//! All are out of line, so that the choice of the tier is a jump and not a frame of its own.
+//! All are out of line, so that the dispatch is a jump without a stack frame.
 
 #[cfg(target_arch = "x86_64")]
 use super::packet;
 use super::{any::any, closest::closest};
-use crate::bvh::{Bvh, Hit};
+use crate::bvh::Bvh;
 use crate::geometry::Primitives;
+use crate::hit::Hit;
 use crate::node::Child;
 use etendue_math::Ray;
 
-/// One ray's entry points of a tier.
+/// The entry points of a tier for single rays.
 macro_rules! single {
     ($simd:ty, $(#[$attribute:meta])*) => {
         #[inline(never)]
@@ -37,7 +38,7 @@ macro_rules! single {
     };
 }
 
-/// Many rays' entry points of a tier that has packets.
+/// The entry points of a tier that has packets, for many rays.
 #[cfg(target_arch = "x86_64")]
 macro_rules! packets {
     ($simd:ty, $wide:ty, $(#[$attribute:meta])*) => {
@@ -63,9 +64,10 @@ macro_rules! packets {
             any::<$simd, P>(bvh, ray, primitives, Hit::NO_INSTANCE, child)
         }
 
-        /// One ray after another: one's last steps overlap the next one's first. Not in one function
-        /// with packets, which would take its registers. Two rays in turns, each with a stack of its
-        /// own, gained nothing: wrong guesses are the larger part, and end what both have begun.
+        /// Traces the rays one by one; the processor overlaps the end of one with the start of the
+        /// next. Not in the same function as packets, which would take registers. Interleaving two
+        /// rays, each with its own stack, gained nothing: mispredictions dominate, and each one
+        /// discards the work of both rays.
         #[inline(never)]
         $(#[$attribute])*
         fn intersect_each<P: Primitives>(
@@ -99,14 +101,14 @@ macro_rules! packets {
 
         #[inline(never)]
         $(#[$attribute])*
-        fn intersect_together<P: Primitives>(
+        fn intersect_packets<P: Primitives>(
             bvh: &Bvh,
             rays: &[Ray],
             primitives: &P,
             hits: &mut Vec<Option<Hit>>,
         ) {
-            let alone = |ray: &Ray, child| intersect_below(bvh, ray, primitives, child);
-            packet::intersect_many::<$wide>(bvh, rays, alone, hits);
+            let trace_single = |ray: &Ray, child| intersect_below(bvh, ray, primitives, child);
+            packet::intersect_many::<$wide>(bvh, rays, trace_single, hits);
         }
 
         #[inline(never)]
@@ -119,11 +121,11 @@ macro_rules! packets {
         ) {
             let mut rest = rays;
             while !rest.is_empty() {
-                let (count, together) = packet::choice::next_run::<$wide>(bvh, rest);
+                let (count, coherent) = packet::coherence::next_run::<$wide>(bvh, rest);
                 let (rays, later) = rest.split_at(count);
                 rest = later;
-                if together {
-                    intersect_together(bvh, rays, primitives, hits);
+                if coherent {
+                    intersect_packets(bvh, rays, primitives, hits);
                 } else {
                     intersect_each(bvh, rays, primitives, hits);
                 }
@@ -132,14 +134,14 @@ macro_rules! packets {
 
         #[inline(never)]
         $(#[$attribute])*
-        fn occluded_together<P: Primitives>(
+        fn occluded_packets<P: Primitives>(
             bvh: &Bvh,
             rays: &[Ray],
             primitives: &P,
             occluded: &mut Vec<bool>,
         ) {
-            let alone = |ray: &Ray, child| occluded_below(bvh, ray, primitives, child);
-            packet::occluded_many::<$wide>(bvh, rays, alone, occluded);
+            let trace_single = |ray: &Ray, child| occluded_below(bvh, ray, primitives, child);
+            packet::occluded_many::<$wide>(bvh, rays, trace_single, occluded);
         }
 
         #[inline(never)]
@@ -152,11 +154,11 @@ macro_rules! packets {
         ) {
             let mut rest = rays;
             while !rest.is_empty() {
-                let (count, together) = packet::choice::next_run::<$wide>(bvh, rest);
+                let (count, coherent) = packet::coherence::next_run::<$wide>(bvh, rest);
                 let (rays, later) = rest.split_at(count);
                 rest = later;
-                if together {
-                    occluded_together(bvh, rays, primitives, occluded);
+                if coherent {
+                    occluded_packets(bvh, rays, primitives, occluded);
                 } else {
                     occluded_each(bvh, rays, primitives, occluded);
                 }

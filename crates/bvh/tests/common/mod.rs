@@ -1,4 +1,4 @@
-//! Shared by the integration tests: random numbers, rays, and the oracle.
+//! Shared by the integration tests: random numbers, rays, and the brute-force test.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use etendue_bvh::{BuildOptions, Tier};
@@ -9,10 +9,10 @@ use glam::{DVec3, Vec3};
 pub(crate) const PRESETS: [BuildOptions; 3] =
     [BuildOptions::FAST, BuildOptions::BALANCED, BuildOptions::SPATIAL];
 
-/// Every tier; those that the machine lacks fall back to the one that it has.
+/// Every tier; the machine's own tier replaces those that it does not support.
 pub(crate) const TIERS: [Tier; 3] = [Tier::Portable, Tier::Avx2, Tier::Avx512];
 
-/// A small generator (SplitMix64), so that the tests repeat.
+/// A small generator (SplitMix64) with a fixed sequence.
 pub(crate) struct Random(u64);
 
 impl Random {
@@ -38,14 +38,14 @@ impl Random {
         Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
     }
 
-    /// From anywhere within `reach` of the origin, in any direction, of any length.
+    /// A ray of any length and direction, from within `reach` of the origin.
     pub(crate) fn ray(&mut self, reach: f32) -> Ray {
         Ray::new(self.point() * reach, self.point())
     }
 }
 
-/// The nearest hit of all triangles by double precision, and how far inside the triangle it is in
-/// units of its barycentric coordinates.
+/// The nearest hit of all triangles in double precision, and its distance from the edge of the
+/// triangle in barycentric coordinates.
 pub(crate) fn brute_force(
     positions: &[Vec3],
     indices: &[[u32; 3]],
@@ -79,14 +79,14 @@ fn exact(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<(f64,
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then(|| (t, u.min(v).min(1.0 - u - v)))
 }
 
-/// A closed mesh around the origin: a subdivided octahedron whose vertices are moved in and out by
-/// up to `roughness`, scaled and moved.
+/// A closed mesh: a subdivided octahedron whose vertices are moved inwards by up to `roughness`,
+/// scaled and translated.
 pub(crate) struct ClosedMesh {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) indices: Vec<[u32; 3]>,
-    /// A point inside from which the whole surface is seen.
+    /// A point inside from which the whole surface is visible.
     pub(crate) inside: Vec3,
-    /// About the distance from there to the surface.
+    /// The approximate distance from there to the surface.
     pub(crate) scale: f32,
 }
 
@@ -119,8 +119,7 @@ impl ClosedMesh {
         Self { positions, indices, inside: at, scale }
     }
 
-    /// A ray from about the inside to somewhere on the mesh where triangles meet, or a little
-    /// beside.
+    /// A ray from near `inside` to an edge or vertex of the mesh, or close to one.
     pub(crate) fn aimed_ray(&self, random: &mut Random) -> Ray {
         let triangle = self.indices[random.bits() as usize % self.indices.len()];
         let [a, b, c] = triangle.map(|index| self.positions[index as usize]);
@@ -133,7 +132,7 @@ impl ClosedMesh {
         let origin = match random.bits() % 3 {
             0 => self.inside,
             1 => self.inside + random.point() * (0.05 * self.scale),
-            // On an axis with the target, for directions with components that are zero.
+            // Aligned with the target, for directions with zero components.
             _ => {
                 let mut origin = self.inside;
                 let axis = (random.bits() % 3) as usize;
@@ -163,7 +162,7 @@ fn subdivide(positions: &mut Vec<Vec3>, indices: &[[u32; 3]]) -> Vec<[u32; 3]> {
     finer
 }
 
-/// The meshes that the tests of watertightness aim at.
+/// The meshes for the tests of watertightness.
 pub(crate) fn closed_meshes(random: &mut Random) -> Vec<ClosedMesh> {
     let mut meshes = Vec::new();
     for (scale, distance) in [

@@ -1,21 +1,20 @@
-//! Whether the rays of a packet hit anything.
+//! Any-hit queries for a packet.
 
-use super::closest::lanes_of;
 use super::rays::Packet;
 use super::triangles::Survivors;
-use super::walk::Query;
+use super::walk::{Query, lanes_of};
 use crate::node::{Child, TriangleBlock};
 use crate::simd::wide::{Row, Wide};
 use crate::traverse::ray::RayConstants;
 use crate::triangle::resolve;
 use etendue_math::Ray;
 
-/// What has been found so far.
+/// The state of the query.
 pub(super) struct Any<'a, F> {
     rays: &'a [Ray],
-    /// Whether a ray hits anything below a child.
-    alone: F,
-    /// The rays' ends, or below zero where a hit has been found.
+    /// Whether a single ray hits anything below a child.
+    trace_single: F,
+    /// The rays' ends, or -1 where a hit has been found.
     t_max: Row,
     /// The rays that hit something.
     found: u32,
@@ -23,32 +22,33 @@ pub(super) struct Any<'a, F> {
 
 impl<'a, F: Fn(&Ray, Child) -> bool> Any<'a, F> {
     #[inline(always)]
-    pub(super) fn new<W: Wide>(rays: &'a [Ray], packet: &Packet<W>, alone: F) -> Self {
-        Self { rays, alone, t_max: W::store(packet.t_max), found: 0 }
+    pub(super) fn new<W: Wide>(rays: &'a [Ray], packet: &Packet<W>, trace_single: F) -> Self {
+        Self { rays, trace_single, t_max: W::store(packet.t_max), found: 0 }
     }
 
-    /// The answers for all rays; those that are not `ordinary` go alone.
+    /// The results for all rays. Those that are not `regular` are traced singly.
     #[inline(always)]
-    pub(super) fn finish(self, ordinary: u32) -> impl Iterator<Item = bool> {
-        let odd = !ordinary & ((1 << self.rays.len()) - 1);
-        let alone = |lane: usize| (self.alone)(&self.rays[lane], Child::node(0));
-        let found = match odd {
+    pub(super) fn finish(self, regular: u32) -> impl Iterator<Item = bool> {
+        let irregular = !regular & ((1 << self.rays.len()) - 1);
+        let trace = |lane: usize| (self.trace_single)(&self.rays[lane], Child::node(0));
+        let found = match irregular {
             0 => self.found,
-            _ => lanes_of(odd).fold(self.found, |set, lane| set | u32::from(alone(lane)) << lane),
+            _ => lanes_of(irregular)
+                .fold(self.found, |set, lane| set | u32::from(trace(lane)) << lane),
         };
         (0..self.rays.len()).map(move |lane| found >> lane & 1 != 0)
     }
 
-    /// The rays of `doubtful` that hit a triangle.
+    /// Which of the rays in `uncertain` hit a triangle.
     #[cold]
     #[inline(never)]
-    fn decide(&self, doubtful: u32, block: &TriangleBlock, triangle: usize) -> u32 {
+    fn decide(&self, uncertain: u32, block: &TriangleBlock, triangle: usize) -> u32 {
         let hits = |lane: &usize| {
             RayConstants::new(&self.rays[*lane]).is_some_and(|constants| {
                 resolve(1 << triangle, block, &constants, self.t_max.0[*lane]).mask != 0
             })
         };
-        lanes_of(doubtful).filter(hits).fold(0, |set, lane| set | 1 << lane)
+        lanes_of(uncertain).filter(hits).fold(0, |set, lane| set | 1 << lane)
     }
 
     #[inline(always)]
@@ -76,20 +76,20 @@ impl<W: Wide, F: Fn(&Ray, Child) -> bool> Query<W> for Any<'_, F> {
         for number in 0..survivors.count() {
             let candidates = survivors.hits(number, rays, limit);
             hits |= candidates.mask;
-            let doubtful = candidates.doubtful & !hits;
-            if doubtful != 0 {
-                hits |= self.decide(doubtful, block, candidates.triangle);
+            let uncertain = candidates.uncertain & !hits;
+            if uncertain != 0 {
+                hits |= self.decide(uncertain, block, candidates.triangle);
             }
         }
         self.end::<W>(hits);
     }
 
     #[inline(always)]
-    fn alone(&mut self, lanes: u32, child: Child) {
+    fn trace_singly(&mut self, lanes: u32, child: Child) {
         let mut hits = 0;
         for lane in lanes_of(lanes) {
             let ray = Ray { t_max: self.t_max.0[lane].next_up(), ..self.rays[lane] };
-            hits |= u32::from((self.alone)(&ray, child)) << lane;
+            hits |= u32::from((self.trace_single)(&ray, child)) << lane;
         }
         self.end::<W>(hits);
     }

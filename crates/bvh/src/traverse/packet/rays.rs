@@ -1,61 +1,60 @@
-//! What the tests need of the rays of a packet, computed once per packet.
+//! Per-packet constants of the box and triangle tests.
 //!
-//! Everything has the bits that [`RayConstants`](super::super::ray::RayConstants) and
-//! [`BoxConstants`](super::super::ray::BoxConstants) have for the single ray.
+//! All values have the same bits as those of [`RayConstants`](super::super::ray::RayConstants) and
+//! [`BoxConstants`](super::super::ray::BoxConstants) for a single ray.
 
-use crate::error_bounds::{LEAST_DIRECTION, PADDING};
+use crate::error_bounds::{MIN_DIRECTION, PADDING};
 use crate::node::Node;
-use crate::simd::wide::{MOST, Row, Wide};
+use crate::simd::wide::{MAX_LANES, Row, Wide};
 use etendue_math::Ray;
 
 /// The constants of the box test and of the triangle test.
 pub(super) struct Packet<W: Wide> {
-    /// One over the directions, whose components are held off zero.
+    /// The inverse directions, whose components are clamped away from zero.
     inverse: [W::Vector; 3],
-    /// What is added to the distances of a box's lower planes.
+    /// The offsets added to the distances of a box's lower planes.
     lower_offset: [W::Vector; 3],
-    /// What is added to the distances of a box's upper planes.
+    /// The offsets added to the distances of a box's upper planes.
     upper_offset: [W::Vector; 3],
-    /// The two minor axes, then those of the directions' greatest components.
+    /// The two minor axes, then the axis of the direction's greatest component.
     pub(super) axes: [W::Axes; 3],
     /// The origins, in the order of `axes`.
     pub(super) origin: [W::Vector; 3],
-    /// The slopes along the minor axes, then one over the greatest components.
+    /// The slopes along the minor axes, then the inverse of the greatest component.
     pub(super) shear: [W::Vector; 3],
-    /// The greatest distances that count; below zero in lanes that are not `ordinary`.
+    /// The ends of the rays, inclusive; -1 in lanes that are not `regular`.
     pub(super) t_max: W::Vector,
-    /// The lanes with a ray whose distances from everything in the tree are finite, with room to
-    /// spare. Others are left to the single ray, and so the tests need not care for what is not a
-    /// number.
-    pub(super) ordinary: u32,
+    /// The lanes whose distances from everything in the tree are finite, with a margin. The others
+    /// are traced singly, so the packet tests need not handle NaN.
+    pub(super) regular: u32,
 }
 
-/// Distances up to here leave room for the sums and products of the box test.
-const GREATEST_DISTANCE: f32 = 1e36;
+/// Distances up to this value leave room for the sums and products of the box test.
+const MAX_DISTANCE: f32 = 1e36;
 
 impl<W: Wide> Packet<W> {
-    /// Takes rays through a tree whose coordinates are at most `reach`.
+    /// Prepares rays for a tree whose coordinates are at most `reach` by magnitude.
     #[inline(always)]
     pub(super) fn new(columns: &Columns, reach: f32) -> Self {
         let Columns([ox, oy, oz, dx, dy, dz, ends]) = columns;
         let origin = [W::load(ox), W::load(oy), W::load(oz)];
         let direction = [W::load(dx), W::load(dy), W::load(dz)];
-        let size = absolute::<W>(&direction);
-        let greatest = greatest_of::<W>(&size);
-        let least = W::multiply(greatest, W::splat(LEAST_DIRECTION));
+        let magnitude = absolute::<W>(&direction);
+        let greatest = max_of::<W>(&magnitude);
+        let min_magnitude = W::multiply(greatest, W::splat(MIN_DIRECTION));
         let inverse = [
-            held_off_zero::<W>(direction[0], least),
-            held_off_zero::<W>(direction[1], least),
-            held_off_zero::<W>(direction[2], least),
+            clamped_inverse::<W>(direction[0], min_magnitude),
+            clamped_inverse::<W>(direction[1], min_magnitude),
+            clamped_inverse::<W>(direction[2], min_magnitude),
         ];
         let ends = W::load(ends);
-        let ordinary = ordinary::<W>(&origin, &size, &inverse, (greatest, reach))
+        let regular = regular::<W>(&origin, &magnitude, &inverse, (greatest, reach))
             & W::less(W::splat(0.0), ends);
-        let t_max = W::select(ordinary, W::step_down(ends), W::splat(-1.0));
+        let t_max = W::select(regular, W::step_down(ends), W::splat(-1.0));
         let [lower_offset, upper_offset] = offsets::<W>(&origin, &inverse);
-        // The greatest component is on x where x is, else on y where y is, else on z.
-        let x = W::less_equal(greatest, size[0]);
-        let y = W::less_equal(greatest, size[1]) & !x;
+        // The axis of the greatest component; of equal components, the first.
+        let x = W::less_equal(greatest, magnitude[0]);
+        let y = W::less_equal(greatest, magnitude[1]) & !x;
         let z = !(x | y);
         let slope = ordered::<W>(&direction, (x, y));
         let inverse_z = ordered::<W>(&inverse, (x, y))[2];
@@ -67,44 +66,41 @@ impl<W: Wide> Packet<W> {
             origin: ordered::<W>(&origin, (x, y)),
             shear: [W::multiply(slope[0], inverse_z), W::multiply(slope[1], inverse_z), inverse_z],
             t_max,
-            ordinary,
+            regular,
         }
     }
 
-    /// Which rays meet the box of a node's child within `limit`, and where they enter it. The slot
-    /// must not be empty.
+    /// The rays that meet the box of a node's child within `limit`, and the distances where they
+    /// enter it. The slot must not be empty.
     #[inline(always)]
     pub(super) fn meet(&self, node: &Node, slot: usize, limit: W::Vector) -> (u32, W::Vector) {
-        // The lower plane is the near one or the far one as the direction's sign says, which the
-        // order of the distances tells as well.
+        // The sign of the direction decides whether the lower plane is the near or the far one; so
+        // does the order of the distances.
         let (x, y, z) =
             (self.slab(node, slot, 0), self.slab(node, slot, 1), self.slab(node, slot, 2));
-        let enter = W::greatest(W::greatest(x.0, y.0), W::greatest(z.0, W::splat(0.0)));
-        let leave = W::least(W::least(x.1, y.1), W::least(z.1, limit));
+        let enter = W::max(W::max(x.0, y.0), W::max(z.0, W::splat(0.0)));
+        let leave = W::min(W::min(x.1, y.1), W::min(z.1, limit));
         (W::less_equal(enter, leave), enter)
     }
-}
-
-impl<W: Wide> Packet<W> {
-    /// Where the rays enter and leave a child's box on one axis.
+    /// The distances where the rays enter and leave a child's box along one axis.
     #[inline(always)]
     fn slab(&self, node: &Node, slot: usize, axis: usize) -> (W::Vector, W::Vector) {
         let lower = W::splat(node.planes[2 * axis].0[slot]);
         let upper = W::splat(node.planes[2 * axis + 1].0[slot]);
         let lower = W::multiply_add(lower, self.inverse[axis], self.lower_offset[axis]);
         let upper = W::multiply_add(upper, self.inverse[axis], self.upper_offset[axis]);
-        (W::least(lower, upper), W::greatest(lower, upper))
+        (W::min(lower, upper), W::max(lower, upper))
     }
 }
 
 #[inline(always)]
 fn absolute<W: Wide>([x, y, z]: &[W::Vector; 3]) -> [W::Vector; 3] {
-    [W::absolute(*x), W::absolute(*y), W::absolute(*z)]
+    [W::abs(*x), W::abs(*y), W::abs(*z)]
 }
 
 #[inline(always)]
-fn greatest_of<W: Wide>(of: &[W::Vector; 3]) -> W::Vector {
-    W::greatest(W::greatest(of[0], of[1]), of[2])
+fn max_of<W: Wide>(of: &[W::Vector; 3]) -> W::Vector {
+    W::max(W::max(of[0], of[1]), of[2])
 }
 
 #[inline(always)]
@@ -112,15 +108,15 @@ fn sum_of<W: Wide>(of: &[W::Vector; 3]) -> W::Vector {
     W::add(of[0], W::add(of[1], of[2]))
 }
 
-/// One over a component that is held off zero.
+/// The inverse of a component that is clamped away from zero.
 #[inline(always)]
-fn held_off_zero<W: Wide>(component: W::Vector, least: W::Vector) -> W::Vector {
-    let held = W::greatest(W::absolute(component), least);
-    W::divide(W::splat(1.0), W::with_sign(held, component))
+fn clamped_inverse<W: Wide>(component: W::Vector, min_magnitude: W::Vector) -> W::Vector {
+    let magnitude = W::max(W::abs(component), min_magnitude);
+    W::divide(W::splat(1.0), W::copysign(magnitude, component))
 }
 
-/// In cyclic order with the axis of the greatest component last: y z x where that is x, z x y where
-/// it is y, and x y z elsewhere.
+/// Cyclic order with the axis of the greatest component last: y z x in the lanes of `on_x`, z x y
+/// in those of `on_y`, x y z elsewhere.
 #[inline(always)]
 fn ordered<W: Wide>([x, y, z]: &[W::Vector; 3], (on_x, on_y): (u32, u32)) -> [W::Vector; 3] {
     [
@@ -130,18 +126,18 @@ fn ordered<W: Wide>([x, y, z]: &[W::Vector; 3], (on_x, on_y): (u32, u32)) -> [W:
     ]
 }
 
-/// The coordinates of origins and directions, and the ends, of the rays of a packet.
+/// The rays of a packet in columns: the coordinates of origins and directions, and the ends.
 pub(super) struct Columns(pub(super) [Row; 7]);
 
 impl Columns {
-    /// No rays: their ends are not above zero.
-    pub(super) const EMPTY: Self = Self([Row([0.0; MOST]); 7]);
+    /// No rays: the ends are zero.
+    pub(super) const EMPTY: Self = Self([Row([0.0; MAX_LANES]); 7]);
 
-    /// Takes the rays of a packet, some time before they are loaded: the processor cannot forward
-    /// what is stored number by number to a wide load.
+    /// Writes the rays of a packet. This should happen some time before they are loaded, because
+    /// the processor cannot forward several scalar stores to one wide load.
     #[inline(always)]
     pub(super) fn fill<W: Wide>(&mut self, rays: &[Ray]) {
-        self.0[6] = Row([0.0; MOST]);
+        self.0[6] = Row([0.0; MAX_LANES]);
         for (lane, ray) in rays.iter().enumerate().take(W::LANES) {
             let (origin, direction) = (ray.origin, ray.direction);
             self.0[0].0[lane] = origin.x;
@@ -157,23 +153,23 @@ impl Columns {
 
 /// The rays whose distances to everything are finite.
 #[inline(always)]
-fn ordinary<W: Wide>(
+fn regular<W: Wide>(
     origin: &[W::Vector; 3],
-    size: &[W::Vector; 3],
+    magnitude: &[W::Vector; 3],
     inverse: &[W::Vector; 3],
     (greatest, reach): (W::Vector, f32),
 ) -> u32 {
-    let places = W::add(sum_of::<W>(&absolute::<W>(origin)), W::splat(reach));
-    let distance = W::multiply(places, sum_of::<W>(&absolute::<W>(inverse)));
-    W::less_equal(sum_of::<W>(size), W::splat(f32::MAX))
+    let extent = W::add(sum_of::<W>(&absolute::<W>(origin)), W::splat(reach));
+    let distance = W::multiply(extent, sum_of::<W>(&absolute::<W>(inverse)));
+    W::less_equal(sum_of::<W>(magnitude), W::splat(f32::MAX))
         & W::less_equal(W::splat(f32::MIN_POSITIVE), greatest)
-        & W::less(distance, W::splat(GREATEST_DISTANCE))
+        & W::less(distance, W::splat(MAX_DISTANCE))
 }
 
-/// The offsets of lower and upper planes: what is enough for the near plane, or the far one.
+/// The offsets of lower and upper planes, each padded away from the box.
 #[inline(always)]
 fn offsets<W: Wide>(origin: &[W::Vector; 3], inverse: &[W::Vector; 3]) -> [[W::Vector; 3]; 2] {
-    let greatest = greatest_of::<W>(&absolute::<W>(origin));
+    let greatest = max_of::<W>(&absolute::<W>(origin));
     let padding = W::multiply(greatest, W::splat(PADDING));
     let x = offset::<W>(origin[0], inverse[0], padding);
     let y = offset::<W>(origin[1], inverse[1], padding);
@@ -188,7 +184,7 @@ fn offset<W: Wide>(
     padding: W::Vector,
 ) -> (W::Vector, W::Vector) {
     let offset = W::subtract(W::splat(0.0), W::multiply(origin, inverse));
-    // Signed as the direction: away from the near plane, whichever it is.
+    // With the sign of the direction: this moves either plane away from the box.
     let padding = W::multiply(padding, inverse);
     (W::subtract(offset, padding), W::add(offset, padding))
 }

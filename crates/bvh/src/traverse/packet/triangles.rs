@@ -1,46 +1,47 @@
-//! A block of triangles against the rays of a packet: the test of [`crate::triangle`], with a ray
-//! in each lane and one triangle after another.
+//! The test of [`crate::triangle`] for a block of triangles against a packet: one ray per lane, one
+//! triangle after another.
 //!
-//! First all triangles are tested for rays that pass inside, without a branch on the outcome,
-//! which nothing foretells; then distances are found for those triangles that have some.
+//! First, all triangles are tested for rays that pass inside, without a branch on the outcome,
+//! which is unpredictable. Then distances are computed for the triangles that some ray passes
+//! through.
 
 use super::rays::Packet;
 use crate::node::{TriangleBlock, WIDTH};
 use crate::simd::wide::{Row, Wide};
-use crate::triangle::{GREATEST_SOUND, LEAST_SOUND};
+use crate::triangle::{MAX_DETERMINANT, MIN_DETERMINANT};
 use std::mem::MaybeUninit;
 
-/// The triangles of a block that some rays pass through, before or behind their ends.
+/// The triangles of a block that some rays pass through, at any distance.
 pub(super) struct Survivors {
-    /// The three edge functions, then the distances of the vertices along the axes.
+    /// The three edge functions, then the distances of the vertices along the ray's axis.
     rows: [[MaybeUninit<Row>; 6]; WIDTH],
-    /// The rays that pass through.
+    /// The rays that pass through each triangle.
     lanes: [u32; WIDTH],
-    /// Their places in the block.
+    /// The indices of the triangles in the block.
     triangles: [usize; WIDTH],
     count: usize,
 }
 
 /// A triangle that some ray may hit.
 pub(super) struct Candidates<W: Wide> {
-    /// The triangle's place in the block.
+    /// The index of the triangle in the block.
     pub(super) triangle: usize,
-    /// The rays that hit it for certain, with `0 < t ≤ limit`.
+    /// The rays that certainly hit it with `0 < t ≤ limit`.
     pub(super) mask: u32,
-    /// The rays for which single precision cannot decide.
-    pub(super) doubtful: u32,
+    /// The rays that single precision cannot decide.
+    pub(super) uncertain: u32,
     /// The distances.
     pub(super) t: W::Vector,
-    /// The edge functions opposite to vertex 1.
+    /// The edge functions opposite vertex 1.
     pub(super) v: W::Vector,
-    /// The edge functions opposite to vertex 2.
+    /// The edge functions opposite vertex 2.
     pub(super) w: W::Vector,
     /// The sums of the three edge functions.
     pub(super) determinant: W::Vector,
 }
 
 impl Survivors {
-    /// None yet.
+    /// An empty list.
     #[inline(always)]
     pub(super) fn new() -> Self {
         Self {
@@ -51,8 +52,8 @@ impl Survivors {
         }
     }
 
-    /// Finds the triangles of a block that rays of `lanes` pass through. (In place: a new list
-    /// would be copied.)
+    /// Finds the triangles of a block that rays of `lanes` pass through. (In place, to avoid a copy
+    /// of the list.)
     #[inline(always)]
     pub(super) fn find<W: Wide>(&mut self, block: &TriangleBlock, rays: &Packet<W>, lanes: u32) {
         let mut count = 0;
@@ -70,10 +71,10 @@ impl Survivors {
             let v = edge_function::<W>(near_a, near_c);
             let w = edge_function::<W>(near_b, near_a);
             let zero = W::splat(0.0);
-            let least = W::least(u, W::least(v, w));
-            let greatest = W::greatest(u, W::greatest(v, w));
-            let inside = lanes & !(W::less(least, zero) & W::less(zero, greatest));
-            // Overwritten by the next triangle if this one does not survive.
+            let min = W::min(u, W::min(v, w));
+            let max = W::max(u, W::max(v, w));
+            let inside = lanes & !(W::less(min, zero) & W::less(zero, max));
+            // The next triangle overwrites this entry if no ray passes inside.
             let rows = &mut self.rows[count & (WIDTH - 1)];
             rows[0].write(W::store(u));
             rows[1].write(W::store(v));
@@ -88,13 +89,12 @@ impl Survivors {
         self.count = count;
     }
 
-    /// How many there are.
     #[inline(always)]
     pub(super) fn count(&self) -> usize {
         self.count
     }
 
-    /// Where the rays hit the survivor of this number, which must be below the count.
+    /// Computes where the rays hit the survivor with this index, which must be below the count.
     #[inline(always)]
     pub(super) fn hits<W: Wide>(
         &self,
@@ -104,13 +104,13 @@ impl Survivors {
     ) -> Candidates<W> {
         assert!(number < self.count && number < WIDTH);
         let rows = &self.rows[number];
-        // SAFETY: `find` has written all six rows of so many numbers.
+        // SAFETY: `find` has written all six rows below `count`.
         let row = |which: usize| W::load(unsafe { rows[which].assume_init_ref() });
         let (u, v, w) = (row(0), row(1), row(2));
         let determinant = W::add(u, W::add(v, w));
-        let absolute = W::absolute(determinant);
-        let sound =
-            W::less(W::splat(LEAST_SOUND), absolute) & W::less(absolute, W::splat(GREATEST_SOUND));
+        let magnitude = W::abs(determinant);
+        let certain = W::less(W::splat(MIN_DETERMINANT), magnitude)
+            & W::less(magnitude, W::splat(MAX_DETERMINANT));
         let inverse = W::divide(W::splat(1.0), determinant);
         let u_along = along(W::multiply(u, inverse), row(3), rays);
         let v_along = along(W::multiply(v, inverse), row(4), rays);
@@ -119,8 +119,8 @@ impl Survivors {
         let within = W::less(W::splat(0.0), t) & W::less_equal(t, limit);
         Candidates {
             triangle: self.triangles[number],
-            mask: self.lanes[number] & sound & within,
-            doubtful: self.lanes[number] & !sound,
+            mask: self.lanes[number] & certain & within,
+            uncertain: self.lanes[number] & !certain,
             t,
             v,
             w,
@@ -129,7 +129,7 @@ impl Survivors {
     }
 }
 
-/// A vertex seen from the origins, on the rays' axes.
+/// A vertex relative to the origins, in the order of the rays' axes.
 #[inline(always)]
 fn place<W: Wide>(vertex: W::Vertex<'_>, triangle: usize, rays: &Packet<W>) -> [W::Vector; 3] {
     [
@@ -139,7 +139,7 @@ fn place<W: Wide>(vertex: W::Vertex<'_>, triangle: usize, rays: &Packet<W>) -> [
     ]
 }
 
-/// The place across the rays.
+/// The sheared coordinates across the rays.
 #[inline(always)]
 fn shear<W: Wide>(place: &[W::Vector; 3], rays: &Packet<W>) -> [W::Vector; 2] {
     [
@@ -148,7 +148,7 @@ fn shear<W: Wide>(place: &[W::Vector; 3], rays: &Packet<W>) -> [W::Vector; 2] {
     ]
 }
 
-/// A vertex's share of the distance along the rays.
+/// A vertex's contribution to the distance along the rays.
 #[inline(always)]
 fn along<W: Wide>(weight: W::Vector, place: W::Vector, rays: &Packet<W>) -> W::Vector {
     W::multiply(weight, W::multiply(rays.shear[2], place))
