@@ -51,7 +51,7 @@ fn main() -> ExitCode {
         best = best.min(start.elapsed());
     }
     let megabytes = byte_count as f64 / 1e6;
-    println!("{} vertices and {} triangles of {} files", counts.0, counts.1, files.len());
+    println!("{} vertices and {} triangles in {} files", counts.0, counts.1, files.len());
     println!("{megabytes:.1} MB in {best:?}: {:.0} MB/s", megabytes / best.as_secs_f64());
     ExitCode::SUCCESS
 }

@@ -1,4 +1,4 @@
-//! Splitting vertices along sharp edges, so that smooth normals stop there.
+//! Splits vertices along sharp edges, so that smooth normals stop there.
 
 use crate::error::{MeshError, MeshErrorKind};
 use crate::normals::{unit_normal, unit_or_default};
@@ -6,28 +6,28 @@ use crate::triangle_mesh::{AttributeDomain, TriangleMesh};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// At an edge that more than two triangles share, each is compared with this many others. Comparing
-/// all pairs would take quadratic time on a file made for it.
+/// Where more than two triangles share an edge, each is compared with this many others. Comparing
+/// all pairs would take quadratic time on a malicious file.
 const COMPARED_AT_EDGE: usize = 8;
 
 impl TriangleMesh {
     /// Replaces the vertex normals by angle-weighted ones that are smooth only across edges where
     /// the normals of the two triangles differ by at most `max_smooth_angle` degrees. Vertices on
-    /// sharper edges are split: each side gets its own copy, attributes included. What Mitsuba 0.6
-    /// calls `maxSmoothAngle`.
+    /// sharper edges are split: each side gets its own copy, including attributes. Mitsuba 0.6
+    /// calls this `maxSmoothAngle`.
     ///
-    /// Triangles share an edge where both ends have equal positions, whether or not they have equal
-    /// indices; so seams in the texture coordinates become smooth too. Triangles without area join
-    /// nothing. Vertices are numbered anew in the order of first use, and unused ones are gone.
+    /// Triangles share an edge if the positions of both ends are equal, whether or not the indices
+    /// are, so seams in the texture coordinates become smooth, too. Degenerate triangles are
+    /// ignored. Vertices are renumbered in the order of first use, and unused ones are dropped.
     ///
     /// # Errors
     ///
-    /// [`MeshErrorKind::Limit`] where the triangles have more than 2³² − 1 corners; the mesh is
-    /// then as it was.
+    /// [`MeshErrorKind::Limit`] if the triangles have more than 2³² − 1 corners; the mesh is then
+    /// unchanged.
     ///
     /// # Panics
     ///
-    /// Where the mesh is not valid.
+    /// If the mesh is not valid.
     pub fn split_sharp_edges(&mut self, max_smooth_angle: f32) -> Result<(), MeshError> {
         let corner_count = self.corner_count()?;
         let groups = self.smooth_groups(corner_count, max_smooth_angle);
@@ -37,7 +37,7 @@ impl TriangleMesh {
         Ok(())
     }
 
-    /// Gives every triangle vertices of its own, with its normal.
+    /// Gives every triangle its own three vertices, with the triangle's normal.
     ///
     /// # Errors
     ///
@@ -45,7 +45,7 @@ impl TriangleMesh {
     ///
     /// # Panics
     ///
-    /// Where the mesh is not valid.
+    /// If the mesh is not valid.
     pub(crate) fn separate_faces(&mut self) -> Result<(), MeshError> {
         let groups: Vec<u32> = (0..self.corner_count()?).map(|corner| corner / 3).collect();
         let normals: Vec<Vec3> =
@@ -54,19 +54,19 @@ impl TriangleMesh {
         Ok(())
     }
 
-    /// The number of corners of all triangles, if each can be a vertex.
+    /// The total number of corners, if each can be a vertex.
     fn corner_count(&self) -> Result<u32, MeshError> {
         let triangle_count = self.indices.len();
         triangle_count.checked_mul(3).and_then(|count| u32::try_from(count).ok()).ok_or_else(|| {
             MeshError::new(
                 MeshErrorKind::Limit,
-                format!("the corners of {triangle_count} triangles are too many to be vertices"),
+                format!("the corners of {triangle_count} triangles exceed the vertex limit"),
             )
         })
     }
 
-    /// For each corner (three times the triangle plus 0, 1 or 2), one corner that stands for all
-    /// those around the same position that it is smooth with.
+    /// For each corner (index: three times the triangle plus 0, 1 or 2), the representative of its
+    /// smooth group: the corners at the same position across smooth edges.
     fn smooth_groups(&self, corner_count: u32, max_smooth_angle: f32) -> Vec<u32> {
         let normals: Vec<Vec3> =
             (0..self.indices.len()).map(|face| unit_normal(self.corners(face))).collect();
@@ -77,7 +77,7 @@ impl TriangleMesh {
                 && degrees_between(first, second) <= max_smooth_angle
         };
         let mut groups = Groups { parents: (0..corner_count).collect() };
-        for shared in self.sorted_edges().chunk_by(|first, second| first.places == second.places) {
+        for shared in self.sorted_edges().chunk_by(|a, b| a.positions == b.positions) {
             for (number, first) in shared.iter().enumerate() {
                 for second in shared[number + 1..].iter().take(COMPARED_AT_EDGE) {
                     if is_smooth(first, second) {
@@ -90,17 +90,17 @@ impl TriangleMesh {
         (0..corner_count).map(|corner| groups.root(corner)).collect()
     }
 
-    /// The three edges of every triangle, with those between the same places next to each other.
+    /// The three edges of every triangle, sorted so that coincident edges are adjacent.
     fn sorted_edges(&self) -> Vec<Edge> {
-        let places = self.places();
+        let position_ids = self.position_ids();
         let mut edges = Vec::with_capacity(3 * self.indices.len());
         for (face, indices) in self.indices.iter().enumerate() {
             for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-                let place = |corner: usize| places[indices[corner] as usize];
+                let id = |corner: usize| position_ids[indices[corner] as usize];
                 let corner = |corner: usize| (3 * face + corner) as u32;
-                let (low, high) = if place(from) <= place(to) { (from, to) } else { (to, from) };
+                let (low, high) = if id(from) <= id(to) { (from, to) } else { (to, from) };
                 edges.push(Edge {
-                    places: [place(low), place(high)],
+                    positions: [id(low), id(high)],
                     corners: [corner(low), corner(high)],
                 });
             }
@@ -109,18 +109,18 @@ impl TriangleMesh {
         edges
     }
 
-    /// A number for each vertex, the same for those with equal positions.
-    fn places(&self) -> Vec<u32> {
-        let mut numbers = HashMap::new();
-        let number = |(vertex, position): (usize, &Vec3)| {
-            // Adding zero makes the two zeros equal in their bits, too.
+    /// An id for each vertex; vertices with equal positions have the same id.
+    fn position_ids(&self) -> Vec<u32> {
+        let mut ids = HashMap::new();
+        let id = |(vertex, position): (usize, &Vec3)| {
+            // Adding zero turns −0 into +0.
             let key = (*position + Vec3::ZERO).to_array().map(f32::to_bits);
-            *numbers.entry(key).or_insert(vertex as u32)
+            *ids.entry(key).or_insert(vertex as u32)
         };
-        self.positions.iter().enumerate().map(number).collect()
+        self.positions.iter().enumerate().map(id).collect()
     }
 
-    /// Makes one vertex for each pair of an old vertex and a smooth group, with the group's normal.
+    /// Makes one vertex per pair of an old vertex and a smooth group, with the group's normal.
     fn split_vertices(&mut self, groups: &[u32], sums: &[Vec3]) {
         let mut vertices = HashMap::new();
         let mut origins: Vec<usize> = Vec::new();
@@ -147,11 +147,11 @@ impl TriangleMesh {
     }
 }
 
-/// The edge of a triangle: its ends in the order of their places, so that edges between the same
-/// places compare as equal, and which corners of which triangle they are.
+/// The edge of a triangle. Its ends are ordered by position id, so that coincident edges compare
+/// equal.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {
-    places: [u32; 2],
+    positions: [u32; 2],
     corners: [u32; 2],
 }
 
@@ -183,7 +183,7 @@ impl Groups {
     }
 }
 
-/// The angle between unit vectors, by the formula that is exact for small angles too.
+/// The angle between unit vectors, by a formula that is accurate for small angles, too.
 fn degrees_between(first: Vec3, second: Vec3) -> f32 {
     (2.0 * (first - second).length().atan2((first + second).length())).to_degrees()
 }
@@ -194,7 +194,7 @@ mod tests {
     use crate::triangle_mesh::Attribute;
     use glam::Vec2;
 
-    /// Two unit squares that meet in the edge x = 1 at this angle between their normals.
+    /// Two unit squares that share the edge x = 1, with this angle between their normals.
     fn hinge(degrees: f32) -> TriangleMesh {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let far = Vec3::new(1.0 + cos, 0.0, -sin);
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_is_split_where_it_is_sharper_than_asked() {
+    fn edges_above_the_angle_are_split() {
         for (max_smooth_angle, vertex_count) in [(44.0, 8), (46.0, 6), (180.0, 6)] {
             let mut mesh = hinge(45.0);
             mesh.split_sharp_edges(max_smooth_angle).expect("small");
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn split_vertices_keep_what_belongs_to_them() {
+    fn split_vertices_keep_their_attributes() {
         let original = hinge(90.0);
         let mut mesh = original.clone();
         mesh.split_sharp_edges(30.0).expect("small");
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn seams_are_smoothed_over_and_zeros_have_no_sign() {
+    fn seams_are_smoothed_and_the_sign_of_zero_is_ignored() {
         let mut mesh = hinge(10.0);
         // The second square gets its own copies of the shared vertices.
         mesh.positions.extend([Vec3::new(1.0, -0.0, 0.0), mesh.positions[2]]);
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fan_of_a_great_many_triangles_at_one_edge_takes_no_quadratic_time() {
+    fn a_large_fan_around_one_edge_does_not_take_quadratic_time() {
         let count = 100_000;
         let mut positions = vec![Vec3::ZERO, Vec3::Z];
         positions.extend((0..count).map(|i| Vec3::new((i as f32).cos(), (i as f32).sin(), 0.5)));

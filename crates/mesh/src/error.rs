@@ -1,53 +1,52 @@
-//! What can be wrong with a mesh or with the bytes that should hold one.
+//! Mesh errors.
 
 use std::fmt;
 
-/// Whose fault a [`MeshError`] is.
+/// The class of a [`MeshError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MeshErrorKind {
     /// The bytes do not follow the format.
     Syntax,
-    /// A count is larger than this crate handles (more than 2³² − 1 vertices, for instance).
+    /// A count exceeds the limits of this crate (for example, more than 2³² − 2 vertices).
     Limit,
     /// An index refers to something that does not exist.
     OutOfRange,
-    /// The input ends before what it announced.
+    /// The input ends before the announced data.
     Truncated,
-    /// The input is well formed but uses something that this crate does not read.
+    /// The input is well formed but uses a feature that this crate does not support.
     Unsupported,
     /// A coordinate is NaN, infinite, or too large for single precision.
     NonFinite,
-    /// The vectors of a [`TriangleMesh`](crate::TriangleMesh) have lengths that do not fit
-    /// together.
+    /// The arrays of a [`TriangleMesh`](crate::TriangleMesh) have inconsistent lengths.
     Inconsistent,
 }
 
-/// A mesh that could not be read or is not valid, with the place where that shows.
+/// A mesh that cannot be read or is not valid, with the location of the error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshError {
     /// The class of the error.
     pub kind: MeshErrorKind,
-    /// One sentence for people, without the place.
+    /// One sentence, without the location.
     pub message: String,
-    /// The line in text formats, counted from one.
+    /// The line in text formats, starting at one.
     pub line: Option<u64>,
-    /// The byte in binary formats, counted from zero.
+    /// The byte offset in binary formats.
     pub offset: Option<u64>,
 }
 
 impl MeshError {
-    /// An error without a place.
+    /// An error without a location.
     pub(crate) fn new(kind: MeshErrorKind, message: impl Into<String>) -> Self {
         Self { kind, message: message.into(), line: None, offset: None }
     }
 
-    /// The same error, at this line.
+    /// The same error, at a line.
     pub(crate) fn at_line(self, line: u64) -> Self {
         Self { line: Some(line), ..self }
     }
 
-    /// The same error, at this byte.
+    /// The same error, at a byte offset.
     pub(crate) fn at_offset(self, offset: usize) -> Self {
         Self { offset: Some(offset as u64), ..self }
     }
@@ -71,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_place_comes_before_the_message() {
+    fn the_location_precedes_the_message() {
         let error = MeshError::new(MeshErrorKind::Syntax, "bad");
         assert_eq!(error.to_string(), "bad");
         assert_eq!(error.clone().at_line(3).to_string(), "line 3: bad");

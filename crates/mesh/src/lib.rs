@@ -1,11 +1,11 @@
 //! Triangle meshes from OBJ, PLY and Mitsuba's serialized format.
 //!
-//! Bytes in, an indexed [`TriangleMesh`] out; no file is opened here. Every reader takes its input
-//! as hostile: counts in headers are compared with the bytes that are really there before memory is
-//! taken, indices are checked, and numbers must be finite. What comes out of a reader has passed
+//! Bytes in, an indexed [`TriangleMesh`] out; this crate opens no files. Readers treat their input
+//! as hostile: they compare the counts in headers with the size of the input before they allocate,
+//! check indices, and reject numbers that are not finite. Meshes that a reader returns have passed
 //! [`TriangleMesh::validate`].
 //!
-//! Coordinates are whatever unit and space the file has; nothing is scaled or transformed.
+//! Coordinates keep the unit and space of the file; nothing is scaled or transformed.
 //!
 //! ```
 //! use etendue_mesh::{MeshErrorKind, ObjOptions, read_obj};

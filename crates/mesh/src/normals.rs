@@ -1,17 +1,18 @@
-//! Shading normals: dropping, flipping and computing them.
+//! Shading normals: drops, flips and computes them.
 
 use crate::triangle_mesh::TriangleMesh;
 use glam::{Vec3, Vec4};
 
-/// The normal of a vertex that no triangle of positive area touches. Any unit vector would do: no
-/// ray can hit such a vertex. Mitsuba 3 has the same one.
-const NORMAL_OF_NOTHING: Vec3 = Vec3::X;
+/// The normal of a vertex without a triangle of positive area. Any unit vector would do, because no
+/// ray can hit such a vertex; Mitsuba 3 uses the same one.
+const DEFAULT_NORMAL: Vec3 = Vec3::X;
 
-/// A sum of vectors that is shorter than this share of the sum of their lengths is rounding.
+/// A sum of vectors is rounding noise if it is shorter than this fraction of the sum of their
+/// lengths.
 const CANCELLED: f32 = 1e-6;
 
 impl TriangleMesh {
-    /// Turns the mesh inside out: reverses the winding of every triangle and the vertex normals.
+    /// Turns the mesh inside out: reverses the winding of all triangles and the vertex normals.
     pub fn flip_normals(&mut self) {
         for corners in &mut self.indices {
             corners.swap(1, 2);
@@ -26,28 +27,28 @@ impl TriangleMesh {
         self.normals = Vec::new();
     }
 
-    /// Replaces the vertex normals by the mean of the normals of the triangles around each vertex,
-    /// weighted by the angle of the triangle at the vertex, and of unit length (Thürmer and
-    /// Wüthrich, "Computing Vertex Normals from Polygonal Facets", *Journal of Graphics Tools*
-    /// 3(1), 1998). Vertices that share a position but not an index are not averaged: a seam in the
-    /// texture coordinates stays visible, as it does in Mitsuba 3.
+    /// Replaces the vertex normals by the normalised mean of the normals of the adjacent triangles,
+    /// weighted by their angles at the vertex (Thürmer and Wüthrich, "Computing Vertex Normals from
+    /// Polygonal Facets", *Journal of Graphics Tools* 3(1), 1998). Vertices that share a position
+    /// but not an index are not averaged: a seam in the texture coordinates stays visible, as in
+    /// Mitsuba 3.
     ///
     /// # Panics
     ///
-    /// Where the mesh is not valid.
+    /// If the mesh is not valid.
     pub fn compute_vertex_normals(&mut self) {
         let sums = self.angle_weighted_sums(|_, vertex| vertex, self.positions.len());
         self.normals = sums.into_iter().map(unit_or_default).collect();
     }
 
-    /// Gives each vertex whose normal has no direction (all zero) the angle-weighted one of
-    /// [`TriangleMesh::compute_vertex_normals`], and says how many there were. Does nothing to a
-    /// mesh without normals.
+    /// Replaces zero vertex normals by the angle-weighted normals of
+    /// [`TriangleMesh::compute_vertex_normals`], and returns their number. Does nothing to a mesh
+    /// without normals.
     ///
     /// # Panics
     ///
-    /// Where the mesh is not valid.
-    pub fn fill_missing_normals(&mut self) -> usize {
+    /// If the mesh is not valid.
+    pub(crate) fn fill_missing_normals(&mut self) -> usize {
         let missing = self.normals.iter().filter(|&&normal| normal == Vec3::ZERO).count();
         if missing > 0 {
             let sums = self.angle_weighted_sums(|_, vertex| vertex, self.positions.len());
@@ -61,15 +62,15 @@ impl TriangleMesh {
     }
 
     /// For each of `group_count` groups of corners, the sum of the unit normals of its triangles,
-    /// each times the angle at the corner. `group` maps the number of a corner (three times the
-    /// triangle plus 0, 1 or 2) and its vertex to the group. Where triangles lie back to back and
-    /// nothing but rounding is left of the sum, the normal of one of them takes its place.
+    /// weighted by the angles at the corners. `group` maps a corner (three times the triangle plus
+    /// 0, 1 or 2) and its vertex to the group. If triangles lie back to back and their normals
+    /// cancel, the result is the normal of one of them.
     pub(crate) fn angle_weighted_sums(
         &self,
         group: impl Fn(usize, usize) -> usize,
         group_count: usize,
     ) -> Vec<Vec3> {
-        // The angles themselves are summed in the fourth component.
+        // The fourth component sums the angles.
         let mut sums = vec![Vec4::ZERO; group_count];
         let mut last_normals = Vec::new();
         let is_cancelled = |sum: &Vec4| sum.truncate().length() < CANCELLED * sum.w;
@@ -88,8 +89,8 @@ impl TriangleMesh {
         sums.iter().enumerate().map(direction).collect()
     }
 
-    /// Calls `visit` with the number, the vertex, the unit normal and the angle in radians of each
-    /// corner of each triangle that has an area.
+    /// Calls `visit` with the index, the vertex, the unit normal and the angle in radians of every
+    /// corner, except those of degenerate triangles.
     fn for_each_corner(&self, mut visit: impl FnMut(usize, usize, Vec3, f32)) {
         for (face, indices) in self.indices.iter().enumerate() {
             let corners = self.corners(face);
@@ -104,22 +105,22 @@ impl TriangleMesh {
     }
 }
 
-/// The unit normal of a triangle on the side from which it runs counter-clockwise; zero where it
-/// has no area. Computed in double precision: the cross product of the edges of a triangle of a
-/// micrometre in metres would vanish in single precision.
+/// The unit normal of a triangle, on the side from which it is counter-clockwise; zero if it is
+/// degenerate. In double precision: for a triangle of a micrometre, in metres, the cross product
+/// would vanish in single precision.
 pub(crate) fn unit_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// A unit vector along `sum`, or the stand-in where the sum has no direction.
+/// The normalised `sum`, or the default normal if that is not possible.
 pub(crate) fn unit_or_default(sum: Vec3) -> Vec3 {
-    sum.try_normalize().unwrap_or(NORMAL_OF_NOTHING)
+    sum.try_normalize().unwrap_or(DEFAULT_NORMAL)
 }
 
-/// The angle in radians between the edges that leave one corner. By Kahan's formula
-/// 2·atan2(|u − v|, |u + v|) for unit u and v, which keeps its digits for needles, where the arc
-/// cosine of the dot product does not (Kahan, "How Futile are Mindless Assessments of Roundoff in
+/// The angle in radians between the edges at one corner, by Kahan's formula
+/// 2·atan2(|u − v|, |u + v|) for unit u and v. It is accurate for very thin triangles, where the
+/// arc cosine of the dot product is not (Kahan, "How Futile are Mindless Assessments of Roundoff in
 /// Floating-Point Computation?", section 12).
 fn angle_at(corners: [Vec3; 3], corner: usize) -> f32 {
     let towards = |other: usize| (corners[other % 3] - corners[corner]).normalize_or_zero();
@@ -131,8 +132,8 @@ fn angle_at(corners: [Vec3; 3], corner: usize) -> f32 {
 mod tests {
     use super::*;
 
-    /// A cube corner: three faces that meet at the origin, one of them split in two triangles, so
-    /// that weighting by count or by area would lean towards it.
+    /// Three faces of a cube that meet at the origin. One is split in two triangles, so that
+    /// weighting by count or by area would be biased towards it.
     fn cube_corner() -> TriangleMesh {
         TriangleMesh {
             positions: vec![
@@ -155,7 +156,7 @@ mod tests {
         let expected = Vec3::ONE.normalize();
         assert!((mesh.normals[0] - expected).length() < 1e-6, "{}", mesh.normals[0]);
         assert!((mesh.normals[4] - Vec3::Z).length() < 1e-6);
-        assert_eq!(mesh.normals[5], NORMAL_OF_NOTHING);
+        assert_eq!(mesh.normals[5], DEFAULT_NORMAL);
         assert!(mesh.normals.iter().all(|normal| normal.is_normalized()));
     }
 
@@ -174,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn only_normals_without_direction_are_filled() {
+    fn only_zero_normals_are_filled() {
         let mut mesh = cube_corner();
         assert_eq!(mesh.fill_missing_normals(), 0);
         assert!(mesh.normals.is_empty());
@@ -186,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_back_to_back_have_the_normal_of_one_of_them() {
+    fn back_to_back_triangles_have_the_normal_of_one_of_them() {
         let mut mesh = cube_corner();
         mesh.positions[1] = Vec3::new(0.3, -0.7, 0.2);
         mesh.indices = vec![[0, 1, 3], [0, 3, 1]];

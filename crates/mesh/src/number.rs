@@ -1,23 +1,23 @@
-//! Numbers in text: digits eight at a time, and floats that are rounded correctly.
+//! Number parsing: eight digits at a time, and correctly rounded floats.
 
-/// Powers of ten that a `u64` holds and the digit runs of one step need.
+/// Powers of ten up to the longest run of digits in one step.
 const POWERS_OF_TEN: [u64; 9] =
     [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
 
-/// As many powers of ten as a fraction of [`DIGITS_OF_U64`] needs, all exact in double precision.
+/// Powers of ten for a fraction of up to [`DIGITS_OF_U64`] digits, all exact in double precision.
 const EXACT_POWERS_OF_TEN: [f64; DIGITS_OF_U64 + 1] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19,
 ];
 
-/// As many digits always fit a `u64`.
+/// The number of decimal digits that always fit a `u64`.
 const DIGITS_OF_U64: usize = 19;
 
-/// Integers up to here are exact in double precision.
+/// Integers up to this one are exact in double precision.
 const EXACT_INTEGERS: u64 = 1 << 53;
 
-/// A decimal integer at the start of `bytes` with an optional sign, and how many bytes it takes.
-/// `None` where there is none or it has more than 19 digits.
+/// The decimal integer at the start of `bytes`, with an optional sign, and its length in bytes.
+/// `None` if there is none, or if it has more than 19 digits.
 #[inline]
 pub(crate) fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     let (negative, start) = sign(bytes);
@@ -29,8 +29,8 @@ pub(crate) fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     Some((if negative { -magnitude } else { magnitude }, end))
 }
 
-/// [`parse_integer`] for one to seven digits without a sign that are not the end of the text: by far
-/// the most indices. `None` for all others.
+/// [`parse_integer`] for one to seven digits without a sign that do not end the text: the great
+/// majority of indices. `None` for all others.
 #[inline(always)]
 pub(crate) fn parse_short_integer(bytes: &[u8]) -> Option<(u32, usize)> {
     let (value, length) = digit_run(u64::from_le_bytes(*bytes.first_chunk()?));
@@ -38,21 +38,21 @@ pub(crate) fn parse_short_integer(bytes: &[u8]) -> Option<(u32, usize)> {
 }
 
 /// The single-precision number nearest to the decimal at the start of `bytes` (ties to even), and
-/// how many bytes it takes. Reads what `str::parse` reads, `inf` and `nan` included.
+/// its length in bytes. Reads the syntax of `str::parse`, including `inf` and `nan`.
 pub(crate) fn parse_any_float(bytes: &[u8]) -> Option<(f32, usize)> {
     fast_float2::parse_partial::<f32, _>(bytes).ok().filter(|&(_, end)| end > 0)
 }
 
-/// [`parse_any_float`] for decimals without an exponent that are not the end of the text: by far the
-/// most numbers. `None` for all others, and for a few that cannot be told apart so quickly.
+/// [`parse_any_float`] for decimals without an exponent that do not end the text: the great
+/// majority of numbers. `None` for all others, and for a few that this fast path cannot decide.
 ///
 /// A mantissa m < 2⁵³ and a power of ten up to 10²² are both exact in double precision, so m/10ᵏ is
-/// rounded once (Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990). Rounding that
-/// a second time, to single precision, is right too unless the double lies exactly between two
-/// singles, where the first rounding may have hidden on which side the decimal is.
+/// rounded once (Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990). A second
+/// rounding to single precision is also correct, unless the double lies exactly halfway between two
+/// singles: then the first rounding may have hidden on which side the decimal lies.
 #[inline(always)]
 pub(crate) fn parse_plain_float(bytes: &[u8]) -> Option<(f32, usize)> {
-    // A sign, a point and three runs of digits at most: nothing below is out of bounds.
+    // At most a sign, a point and three runs of digits, so nothing below is out of bounds.
     let window = bytes.first_chunk::<32>()?;
     let run = |place: usize| {
         let characters = window.get(place..place + 8)?.first_chunk()?;
@@ -76,21 +76,21 @@ pub(crate) fn parse_plain_float(bytes: &[u8]) -> Option<(f32, usize)> {
         fraction_digits = end - first;
     }
     let digits = whole_digits + fraction_digits;
-    let goes_on = matches!(window[end], b'0'..=b'9' | b'e' | b'E');
-    if goes_on || digits == 0 || digits > DIGITS_OF_U64 || mantissa > EXACT_INTEGERS {
+    let continues = matches!(window[end], b'0'..=b'9' | b'e' | b'E');
+    if continues || digits == 0 || digits > DIGITS_OF_U64 || mantissa > EXACT_INTEGERS {
         return None;
     }
-    // Signed, because from unsigned numbers there is no conversion in one instruction.
+    // Signed, because x86-64 has no single instruction for the conversion of unsigned integers.
     let double = mantissa as i64 as f64 / EXACT_POWERS_OF_TEN[fraction_digits];
     let magnitude = round_once_more(double)?;
     Some((f32::from_bits(magnitude.to_bits() | u32::from(negative) << 31), end))
 }
 
-/// The single nearest to a double that is itself a rounded number; `None` where that cannot be
-/// told.
+/// The single nearest to the exact value that was rounded to `double`. `None` if the first rounding
+/// makes it undecidable.
 #[inline]
 fn round_once_more(double: f64) -> Option<f32> {
-    // The 29 bits that single precision drops are a one and zeros: exactly between two singles.
+    // Halfway between two singles: the 29 bits that single precision drops are a one and zeros.
     const DROPPED_BITS: u64 = (1 << 29) - 1;
     const HALF: u64 = 1 << 28;
     let is_tie = double.to_bits() & DROPPED_BITS == HALF;
@@ -107,8 +107,8 @@ fn sign(bytes: &[u8]) -> (bool, usize) {
     }
 }
 
-/// The value of the digits from `position` on, and where they end. The value is meaningless after more
-/// than 19 digits; the caller counts them.
+/// The value of the digits from `position` on, and their end. The value is meaningless for more than
+/// 19 digits; the caller checks their number.
 #[inline]
 fn digits(bytes: &[u8], mut position: usize) -> (u64, usize) {
     let mut value = 0_u64;
@@ -130,19 +130,20 @@ fn digits(bytes: &[u8], mut position: usize) -> (u64, usize) {
     (value, position)
 }
 
-/// The value and the length of the run of digits at the start (the low end) of eight characters,
+/// The value and the length of the run of digits at the start (low end) of eight characters,
 /// without a loop or a branch per digit (after Lemire, "Quickly parsing eight digits", 2018).
 #[inline]
 fn digit_run(characters: u64) -> (u64, usize) {
     let offsets = characters ^ 0x3030_3030_3030_3030;
-    // A byte above 9 gets its top bit set, if not by itself then by adding 0x76. A carry out of one
-    // byte only disturbs bytes after the first that is no digit.
-    let no_digit = (offsets.wrapping_add(0x7676_7676_7676_7676) | offsets) & 0x8080_8080_8080_8080;
-    let length = no_digit.trailing_zeros() as usize / 8;
+    // Sets the top bit of every byte above 9, by adding 0x76 if it is not set already. A carry out
+    // of one byte only affects bytes after the first non-digit.
+    let non_digits =
+        (offsets.wrapping_add(0x7676_7676_7676_7676) | offsets) & 0x8080_8080_8080_8080;
+    let length = non_digits.trailing_zeros() as usize / 8;
     if length == 0 {
         return (0, 0);
     }
-    // Moving the run to the high end puts zeros before it, and drops what follows it.
+    // Shifting the run to the high end puts zeros before it, and drops what follows it.
     let aligned = offsets << (8 * (8 - length));
     let pairs = aligned.wrapping_mul(10).wrapping_add(aligned >> 8);
     let fours = (pairs & 0x0000_00FF_0000_00FF).wrapping_mul(100 + (1_000_000 << 32));
@@ -155,15 +156,15 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// As the cursor over a text does it.
+    /// The combination that `TextCursor` uses.
     fn parse_float(bytes: &[u8]) -> Option<(f32, usize)> {
         parse_plain_float(bytes).or_else(|| parse_any_float(bytes))
     }
 
-    /// The standard library is the oracle; bits are compared, so the sign of zero counts.
+    /// Compares bits with the standard library, so the sign of zero counts.
     fn assert_as_std(text: &str) {
-        let expected: f32 = text.parse().expect("the oracle reads it");
-        // The quick way is for numbers that are not the end of the text.
+        let expected: f32 = text.parse().expect("the standard library reads it");
+        // The fast path is for numbers that do not end the text.
         let long = " 123456789".repeat(4);
         for padding in ["", " 123456789", "/12345678", &long] {
             let padded = format!("{text}{padding}");
@@ -174,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn chosen_numbers_are_as_in_the_standard_library() {
+    fn chosen_numbers_agree_with_the_standard_library() {
         for text in [
             "0",
             "-0",
@@ -216,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_refused() {
+    fn malformed_numbers_are_rejected() {
         for text in ["", "-", ".", "+.", "e5", "x", "/1", " 1"] {
             assert_eq!(parse_float(text.as_bytes()), None, "{text:?}");
         }
@@ -228,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn short_integers_have_one_to_seven_digits_and_something_behind() {
+    fn short_integers_have_one_to_seven_digits_and_do_not_end_the_text() {
         assert_eq!(parse_short_integer(b"7/123456"), Some((7, 1)));
         assert_eq!(parse_short_integer(b"1234567 "), Some((1_234_567, 7)));
         assert_eq!(parse_short_integer(b"0000012//"), Some((12, 7)));
@@ -238,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn integers_end_where_their_digits_end() {
+    fn integers_end_after_their_last_digit() {
         assert_eq!(parse_integer(b"12/3"), Some((12, 2)));
         assert_eq!(parse_integer(b"-7 "), Some((-7, 2)));
         assert_eq!(
@@ -250,7 +251,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_single_survives_its_shortest_decimal(bits in any::<u32>()) {
+        fn shortest_decimals_round_trip(bits in any::<u32>()) {
             let value = f32::from_bits(bits);
             prop_assume!(value.is_finite());
             assert_as_std(&value.to_string());
@@ -259,7 +260,7 @@ mod tests {
         }
 
         #[test]
-        fn decimals_near_ties_are_as_in_the_standard_library(
+        fn decimals_near_ties_agree_with_the_standard_library(
             bits in any::<u32>(),
             nudge in -1_i64..=1,
             digits in 1_usize..25,
@@ -274,14 +275,14 @@ mod tests {
         }
 
         #[test]
-        fn plain_decimals_are_as_in_the_standard_library(
+        fn plain_decimals_agree_with_the_standard_library(
             text in "[+-]?[0-9]{1,12}(\\.[0-9]{0,12})?([eE][+-]?[0-9]{1,3})?",
         ) {
             assert_as_std(&text);
         }
 
         #[test]
-        fn digit_runs_are_measured(text in "[0-9]{0,8}[^0-9][ -~]{8}") {
+        fn digit_runs_have_the_right_length_and_value(text in "[0-9]{0,8}[^0-9][ -~]{8}") {
             prop_assume!(text.is_ascii());
             let length = text.bytes().take_while(u8::is_ascii_digit).count();
             let value = text[..length].parse::<u64>().unwrap_or(0);

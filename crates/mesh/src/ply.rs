@@ -20,25 +20,25 @@ use vertices::read_vertices;
 
 /// Reads a PLY file in any of its three encodings.
 ///
-/// - Properties may come in any order and have any type. `x y z` are needed; `nx ny nz` are the
-///   normals; `u v`, `s t` or `texture_u texture_v` the texture coordinates.
-/// - The list `vertex_indices` or `vertex_index` holds the corners of faces, of which polygons are
-///   split as a fan, or by clipping ears where they are concave (if the vertices come before the
-///   faces). Faces with fewer than three corners have no area and are left out.
-/// - Every other number of vertices and faces becomes an [`Attribute`](crate::Attribute), named by
+/// - Properties may have any order and type. `x y z` are required; `nx ny nz` are the normals;
+///   `u v`, `s t` or `texture_u texture_v` the texture coordinates.
+/// - The list `vertex_indices` or `vertex_index` holds the corners of faces. Polygons are split as
+///   a fan, concave ones by ear clipping (if the vertices come before the faces). Faces with fewer
+///   than three corners are ignored.
+/// - All other numbers of vertices and faces become an [`Attribute`](crate::Attribute), named by
 ///   Mitsuba 3's rules: consecutive properties `foo_0 foo_1 …` or `foo_x foo_y …` are the channels
-///   of `vertex_foo` (of `face_foo` on faces), `r g b` and `red green blue` (with `a`, `alpha`)
-///   those of `vertex_color`. A property that belongs to no group is an attribute of one channel,
-///   with its own name. Colours in 8 or 16 unsigned bits are scaled to [0, 1], where Mitsuba warns
-///   and takes them as they are. A face that is split passes its values on to all its triangles.
-/// - Other lists and other elements are skipped, and the file may end after the vertices and faces.
+///   of `vertex_foo` (`face_foo` on faces), and `r g b` or `red green blue` (with `a`, `alpha`)
+///   those of `vertex_color`. A property outside of these groups is an attribute of its own with
+///   one channel. Colours in 8 or 16 unsigned bits are scaled to [0, 1]; Mitsuba warns and uses
+///   them unscaled. The values of a polygon apply to all its triangles.
+/// - Other lists and elements are skipped. The file may end after the vertices and faces.
 ///
 /// # Errors
 ///
-/// [`MeshErrorKind::Syntax`] where the header or a number is malformed,
-/// [`Truncated`](MeshErrorKind::Truncated) where the header announces more than there is,
-/// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index that no vertex has,
-/// [`NonFinite`](MeshErrorKind::NonFinite) for a number that single precision does not hold,
+/// [`MeshErrorKind::Syntax`] for a malformed header or number,
+/// [`Truncated`](MeshErrorKind::Truncated) if the header announces more data than there is,
+/// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index without a vertex,
+/// [`NonFinite`](MeshErrorKind::NonFinite) for a number that is not finite in single precision,
 /// [`Unsupported`](MeshErrorKind::Unsupported) for a file without faces or positions, and
 /// [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
 pub fn read_ply(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
@@ -47,14 +47,14 @@ pub fn read_ply(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     if !header.elements.iter().any(Element::is_faces) {
         return Err(MeshError::new(
             MeshErrorKind::Unsupported,
-            "the file has no element `face`: point clouds and triangle strips are not read",
+            "the file has no element `face`: point clouds and triangle strips are not supported",
         ));
     }
     read_body(bytes, cursor, &header)
 }
 
-/// Reads the vertices of a PLY file alone, as [`read_ply`] does: a cloud of points with attributes.
-/// Faces are left out, whether there are any or not.
+/// Reads only the vertices of a PLY file, as [`read_ply`] does: a point cloud with attributes.
+/// Faces are optional and ignored.
 ///
 /// # Errors
 ///
@@ -65,18 +65,18 @@ pub fn read_ply_points(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     let Some(vertices) = header.elements.iter().position(Element::is_vertices) else {
         return Err(MeshError::new(
             MeshErrorKind::Unsupported,
-            "the file has no element `vertex`: there are no points",
+            "the file has no element `vertex`, so it has no points",
         ));
     };
     header.elements.truncate(vertices + 1);
-    // Faces that come before the vertices are skipped like any other element.
+    // Faces before the vertices are skipped like any other element.
     for element in &mut header.elements[..vertices] {
         element.name.clear();
     }
     read_body(bytes, cursor, &header)
 }
 
-/// Reads what comes after the header.
+/// Reads the data after the header.
 fn read_body(
     bytes: &[u8],
     cursor: TextCursor<'_>,

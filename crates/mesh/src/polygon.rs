@@ -1,21 +1,21 @@
-//! Polygons to triangles.
+//! Triangulation of polygons.
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// Polygons with more corners than this are split as a fan whatever their shape: clipping ears
-/// takes quadratic time, and a file may hold millions of them.
-const MOST_CORNERS_TO_CLIP: usize = 128;
+/// Polygons with more corners than this are always split as a fan: ear clipping takes quadratic
+/// time, and a file may contain millions of corners.
+const MAX_CORNERS_TO_CLIP: usize = 128;
 
 /// Splits a polygon into triangles.
 ///
-/// As a fan around the first corner, as Mitsuba and most writers have it, wherever every triangle
-/// of the fan faces the way the whole polygon does. Otherwise the polygon is concave and the fan
-/// would cover ground outside of it, and ears are clipped instead (Meisters, "Polygons Have
-/// Ears", 1975), in the plane that its area vector (Newell's) is most along. A polygon that has no
-/// ears, because it crosses itself, is split as a fan.
+/// A polygon is split as a fan around the first corner, as in Mitsuba and most exporters, if every
+/// triangle of the fan has the orientation of the whole polygon. Otherwise it is concave and the
+/// fan would extend outside it. Then it is split by ear clipping (Meisters, "Polygons Have Ears",
+/// 1975), in the coordinate plane where its area (by Newell's method) is largest. A
+/// self-intersecting polygon without ears is split as a fan.
 ///
-/// A polygon of n corners gives n − 2 triangles, with the same orientation; fewer than
-/// three corners give none.
+/// A polygon of n corners gives n − 2 triangles of the same orientation; fewer than three corners
+/// give none.
 pub(crate) fn triangulate(
     corners: &[u32],
     position_of: impl Fn(u32) -> Option<Vec3>,
@@ -35,8 +35,8 @@ fn triangulate_many(
 ) {
     let fan = corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]);
     let place = |corner: u32| position_of(corner).map(Vec3::as_dvec3);
-    if corners.len() <= MOST_CORNERS_TO_CLIP && !is_fan_sound(corners, place) {
-        // Only concave polygons come here, so the allocations are rare.
+    if corners.len() <= MAX_CORNERS_TO_CLIP && !is_fan_valid(corners, place) {
+        // Only concave polygons allocate, and they are rare.
         let places: Option<Vec<DVec3>> = corners.iter().map(|&corner| place(corner)).collect();
         if let Some(ears) = places.and_then(|places| clip_ears(&project(&places))) {
             triangles.extend(ears.into_iter().map(|ear| ear.map(|index| corners[index])));
@@ -46,8 +46,9 @@ fn triangulate_many(
     triangles.extend(fan);
 }
 
-/// Whether no triangle of the fan faces away from the polygon. True where positions are not known.
-fn is_fan_sound(corners: &[u32], place: impl Fn(u32) -> Option<DVec3>) -> bool {
+/// Whether every triangle of the fan has the orientation of the polygon. True if positions are
+/// unknown.
+fn is_fan_valid(corners: &[u32], place: impl Fn(u32) -> Option<DVec3>) -> bool {
     let Some(apex) = place(corners[0]) else {
         return true;
     };
@@ -59,7 +60,7 @@ fn is_fan_sound(corners: &[u32], place: impl Fn(u32) -> Option<DVec3>) -> bool {
     corners[1..].windows(2).all(|pair| area(pair).dot(total) >= 0.0)
 }
 
-/// The corners in the coordinate plane in which the polygon is largest, turned so that it runs
+/// Projects the corners to the coordinate plane where the area of the polygon is largest, oriented
 /// counter-clockwise.
 fn project(places: &[DVec3]) -> Vec<DVec2> {
     let apex = places[0];
@@ -72,8 +73,8 @@ fn project(places: &[DVec3]) -> Vec<DVec2> {
     places.iter().map(|place| DVec2::new(place[first], place[second])).collect()
 }
 
-/// Cuts ears off a counter-clockwise polygon until a triangle is left. `None` where there is no ear
-/// or the search takes longer than it does for a simple polygon.
+/// Clips the ears of a counter-clockwise polygon until a triangle is left. `None` if there is no
+/// ear, or if the search takes longer than for any simple polygon.
 fn clip_ears(polygon: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     let mut left: Vec<usize> = (0..polygon.len()).collect();
     let mut ears = Vec::with_capacity(polygon.len() - 2);
@@ -94,18 +95,19 @@ fn clip_ears(polygon: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     Some(ears)
 }
 
-/// Whether the triangle `ear` of three neighbours has no negative area and holds no other corner.
+/// Whether the triangle `ear` of consecutive corners has no negative area and contains no other
+/// corner.
 fn is_ear(polygon: &[DVec2], left: &[usize], ear: [usize; 3]) -> bool {
     let [a, b, c] = ear.map(|index| polygon[index]);
     let side = |from: DVec2, to: DVec2, point: DVec2| (to - from).perp_dot(point - from);
     let area = side(a, b, c);
-    let holds = |point: DVec2| {
+    let contains = |point: DVec2| {
         side(a, b, point) >= 0.0 && side(b, c, point) >= 0.0 && side(c, a, point) >= 0.0
     };
-    // A corner that lies on one of the ear's own touches it without getting in its way: holes are
-    // written as two copies of a bridge.
-    let is_in_the_way = |point: DVec2| ![a, b, c].contains(&point) && holds(point);
-    area == 0.0 || (area > 0.0 && !left.iter().any(|&index| is_in_the_way(polygon[index])))
+    // A corner at the same position as a corner of the ear does not obstruct it: holes are written
+    // with two copies of a bridge.
+    let obstructs = |point: DVec2| ![a, b, c].contains(&point) && contains(point);
+    area == 0.0 || (area > 0.0 && !left.iter().any(|&index| obstructs(polygon[index])))
 }
 
 #[cfg(test)]
@@ -137,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arrowhead_is_not_covered_twice_whatever_corner_comes_first() {
+    fn a_concave_quadrilateral_is_covered_once_from_any_first_corner() {
         // Area 1/2 · (3·2 − 3·1) = 1.5, in any of three planes and both orientations.
         let arrow = [(0.0, 2.0), (-1.5, -1.0), (0.0, 0.0), (1.5, -1.0)];
         for start in 0..4 {
@@ -162,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_square_with_a_hole_over_a_bridge_keeps_its_hole() {
+    fn a_square_with_a_bridged_hole_keeps_its_hole() {
         let outline =
             [(0, 0), (6, 0), (6, 6), (0, 6), (0, 0), (2, 2), (2, 4), (4, 4), (4, 2), (2, 2)];
         let places = outline.map(|(x, y)| Vec3::new(x as f32, y as f32, 1.0));
@@ -173,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn crossing_polygons_and_points_still_give_their_number_of_triangles() {
+    fn self_intersecting_and_degenerate_polygons_give_n_minus_two_triangles() {
         let bow = [Vec3::ZERO, Vec3::ONE, Vec3::X, Vec3::Y, Vec3::new(0.3, -2.0, 0.0)];
         assert_eq!(split(&bow).len(), 3);
         assert_eq!(split(&[Vec3::ONE; 9]).len(), 7);
@@ -184,14 +186,14 @@ mod tests {
             })
             .collect();
         assert_eq!(split(&spiral).len(), 1998);
-        assert_eq!(split(&spiral[..MOST_CORNERS_TO_CLIP]).len(), MOST_CORNERS_TO_CLIP - 2);
+        assert_eq!(split(&spiral[..MAX_CORNERS_TO_CLIP]).len(), MAX_CORNERS_TO_CLIP - 2);
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// A star-shaped polygon has the area that the shoelace formula gives, and its triangles
-        /// cover it once: their areas are all of one sign and sum up to it.
+        /// The triangles of a star-shaped polygon cover it once: their areas have the same sign and
+        /// add up to that of the shoelace formula.
         #[test]
         fn stars_are_covered_once(radii in prop::collection::vec(0.1_f32..1.0, 5..40)) {
             let step = std::f32::consts::TAU / radii.len() as f32;

@@ -1,8 +1,9 @@
 //! Mitsuba's serialized format, versions 3 and 4 (*Mitsuba 0.6 documentation*, section 8.2.5).
 //!
-//! A file is a sequence of shapes and a dictionary. Each shape starts with a 16-bit identifier and
-//! a 16-bit version, followed by a zlib stream: flags, a name (version 4 only), the numbers of
-//! vertices and triangles, and then one array after the other. All numbers are little-endian.
+//! A file is a sequence of shapes followed by a dictionary. Each shape starts with a 16-bit
+//! identifier and a 16-bit version, followed by a zlib stream: flags, a name (version 4 only), the
+//! numbers of vertices and triangles, and then one array after another. All numbers are
+//! little-endian.
 
 mod dictionary;
 mod inflater;
@@ -13,21 +14,21 @@ use dictionary::{Dictionary, Version};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use inflater::Inflater;
 
-/// The bits of the flags that a shape starts with.
+/// The flags at the start of a shape.
 mod flag {
-    /// There are vertex normals.
+    /// The shape has vertex normals.
     pub(super) const NORMALS: u32 = 0x0001;
-    /// There are texture coordinates.
+    /// The shape has texture coordinates.
     pub(super) const UVS: u32 = 0x0002;
-    /// There are vertex colours.
+    /// The shape has vertex colours.
     pub(super) const COLORS: u32 = 0x0008;
-    /// The shape is to be shaded flat.
+    /// The shape is shaded flat.
     pub(super) const FACE_NORMALS: u32 = 0x0010;
     /// Coordinates are in double precision.
     pub(super) const DOUBLE_PRECISION: u32 = 0x2000;
 }
 
-/// How many shapes a serialized file holds.
+/// The number of shapes in a serialized file.
 ///
 /// # Errors
 ///
@@ -36,20 +37,20 @@ pub fn serialized_shape_count(bytes: &[u8]) -> Result<u32, MeshError> {
     Dictionary::read(bytes).map(|dictionary| dictionary.shape_count())
 }
 
-/// Reads one shape of a serialized file; the first one has the index 0.
+/// Reads one shape of a serialized file; the first has index 0.
 ///
-/// Vertex colours become the attribute `vertex_color` with three channels. A shape that is marked
-/// to be shaded flat gets separate vertices for each triangle, with its normal, so that nobody
-/// takes it for one that lacks normals.
+/// Vertex colours become the attribute `vertex_color` with three channels. A flat-shaded shape gets
+/// separate vertices for each triangle, with the triangle's normal, to tell it from a shape that
+/// lacks normals.
 ///
 /// # Errors
 ///
-/// [`MeshErrorKind::Syntax`](crate::MeshErrorKind::Syntax) where the file or the compressed data is
-/// damaged, [`Unsupported`](crate::MeshErrorKind::Unsupported) for another version,
+/// [`MeshErrorKind::Syntax`](crate::MeshErrorKind::Syntax) if the file or the compressed data is
+/// corrupt, [`Unsupported`](crate::MeshErrorKind::Unsupported) for another version,
 /// [`OutOfRange`](crate::MeshErrorKind::OutOfRange) for a shape or vertex that does not exist,
-/// [`Truncated`](crate::MeshErrorKind::Truncated) where the file or the shape ends early,
-/// [`NonFinite`](crate::MeshErrorKind::NonFinite) for a number that single precision does not hold,
-/// and [`Limit`](crate::MeshErrorKind::Limit) for more than 2³² − 2 vertices.
+/// [`Truncated`](crate::MeshErrorKind::Truncated) if the file or the shape ends early,
+/// [`NonFinite`](crate::MeshErrorKind::NonFinite) for a number that is not finite in single
+/// precision, and [`Limit`](crate::MeshErrorKind::Limit) for more than 2³² − 2 vertices.
 pub fn read_serialized(bytes: &[u8], shape_index: u32) -> Result<TriangleMesh, MeshError> {
     let shape = Dictionary::read(bytes)?.shape(shape_index)?;
     let mut inflater = Inflater::new(shape.compressed, shape.offset);
@@ -71,7 +72,7 @@ pub fn read_serialized(bytes: &[u8], shape_index: u32) -> Result<TriangleMesh, M
     Ok(mesh)
 }
 
-/// How many there are, by the word of the file.
+/// The counts that the file announces.
 #[derive(Clone, Copy)]
 struct Counts {
     vertices: u64,

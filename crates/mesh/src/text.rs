@@ -1,11 +1,11 @@
-//! A cursor over the bytes of a text format that knows its line.
+//! A cursor over a text format that tracks the line number.
 
 use crate::error::{MeshError, MeshErrorKind};
 use crate::number::{parse_any_float, parse_integer, parse_plain_float, parse_short_integer};
 use memchr::memchr2;
 
-/// A place in a text. Lines end in LF, CRLF or CR; a backslash before the end of a line joins it
-/// with the next one; `#` starts a comment.
+/// A position in a text. Lines end in LF, CRLF or CR; a backslash at the end of a line continues it
+/// on the next one; `#` starts a comment.
 pub(crate) struct TextCursor<'a> {
     bytes: &'a [u8],
     position: usize,
@@ -13,54 +13,53 @@ pub(crate) struct TextCursor<'a> {
 }
 
 impl<'a> TextCursor<'a> {
-    /// The start of `bytes`, after a byte order mark if there is one.
+    /// The start of `bytes`, after a byte order mark, if any.
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         Self { bytes, position: 0, line: 1 }
     }
 
-    /// The line of the cursor, counted from one.
+    /// The line of the cursor, starting at one.
     pub(crate) fn line(&self) -> u64 {
         self.line
     }
 
-    /// Whether everything was read.
     #[inline]
     pub(crate) fn is_at_end(&self) -> bool {
         self.position >= self.bytes.len()
     }
 
-    /// All bytes from the cursor on, not taken.
+    /// All bytes from the cursor on, without consuming them.
     pub(crate) fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.position..).unwrap_or_default()
     }
 
-    /// The next byte, not taken.
+    /// The next byte, without consuming it.
     #[inline]
     pub(crate) fn peek(&self) -> Option<u8> {
         self.bytes.get(self.position).copied()
     }
 
-    /// Moves on over `count` bytes that were peeked at.
+    /// Consumes `count` bytes that have been peeked at.
     #[inline]
     pub(crate) fn advance(&mut self, count: usize) {
         self.position += count;
     }
 
-    /// Moves over blanks and joined line ends.
+    /// Skips blanks and line continuations.
     #[inline]
     pub(crate) fn skip_blanks(&mut self) {
         loop {
             match self.peek() {
                 Some(b' ' | b'\t') => self.position += 1,
-                Some(b'\\') if self.skip_joined_line_end() => {}
+                Some(b'\\') if self.skip_continuation() => {}
                 _ => return,
             }
         }
     }
 
-    /// Whether a backslash and a line end were here; the cursor is then on the next line.
-    fn skip_joined_line_end(&mut self) -> bool {
+    /// Skips a backslash with a line end, if the cursor is at one.
+    fn skip_continuation(&mut self) -> bool {
         let length = match self.bytes.get(self.position + 1..) {
             Some([b'\r', b'\n', ..]) => 3,
             Some([b'\n' | b'\r', ..]) => 2,
@@ -71,7 +70,8 @@ impl<'a> TextCursor<'a> {
         true
     }
 
-    /// Whether the statement ends here: at a line end, a comment, or the end of the input.
+    /// Whether the cursor is at the end of a statement: a line end, a comment, or the end of the
+    /// input.
     #[inline]
     pub(crate) fn is_at_statement_end(&self) -> bool {
         matches!(self.peek(), None | Some(b'\n' | b'\r' | b'#'))
@@ -87,7 +87,7 @@ impl<'a> TextCursor<'a> {
         &rest[..length]
     }
 
-    /// The rest of this line without its end, taken.
+    /// Consumes the rest of this line without its end.
     pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.position..];
         let length = memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
@@ -95,7 +95,7 @@ impl<'a> TextCursor<'a> {
         &rest[..length]
     }
 
-    /// Moves over the end of this line. Does nothing where the cursor is not at one.
+    /// Consumes a line end, if the cursor is at one.
     #[inline]
     pub(crate) fn take_line_end(&mut self) {
         match self.peek() {
@@ -107,24 +107,24 @@ impl<'a> TextCursor<'a> {
         self.line += 1;
     }
 
-    /// Moves to the end of the line on which this statement ends.
+    /// Moves to the end of the line where this statement ends.
     pub(crate) fn skip_statement(&mut self) {
         loop {
             let is_comment = self.peek() == Some(b'#');
             let skipped = self.rest_of_line();
-            let is_joined = !is_comment && skipped.last() == Some(&b'\\') && !self.is_at_end();
-            if !is_joined {
+            let is_continued = !is_comment && skipped.last() == Some(&b'\\') && !self.is_at_end();
+            if !is_continued {
                 return;
             }
             self.take_line_end();
         }
     }
 
-    /// A number, taken with the blanks after it. It may be infinite or NaN.
+    /// Consumes a number and the blanks after it. It may be infinite or NaN.
     ///
     /// # Errors
     ///
-    /// A [`MeshErrorKind::Syntax`] error that calls the number `what`.
+    /// A [`MeshErrorKind::Syntax`] error that describes the number as `what`.
     #[inline(always)]
     pub(crate) fn float(&mut self, what: &str) -> Result<f32, MeshError> {
         match self.take_float(parse_plain_float(self.rest())) {
@@ -133,13 +133,13 @@ impl<'a> TextCursor<'a> {
         }
     }
 
-    /// [`TextCursor::float`] for all notations.
+    /// [`TextCursor::float`] for every notation.
     #[inline(never)]
     fn any_float(&mut self, what: &str) -> Result<f32, MeshError> {
         self.take_float(parse_any_float(self.rest())).ok_or_else(|| self.expected(what))
     }
 
-    /// Takes a number that was found at the cursor, and the blanks after it, if it ends where one may.
+    /// Consumes a number found at the cursor and the blanks after it, if a delimiter follows.
     #[inline(always)]
     fn take_float(&mut self, found: Option<(f32, usize)>) -> Option<f32> {
         let (value, length) = found?;
@@ -151,18 +151,18 @@ impl<'a> TextCursor<'a> {
         Some(value)
     }
 
-    /// An integer of one to seven digits without a sign, not taken, and how many digits; `None` where
-    /// there is another or none.
+    /// An integer of one to seven digits without a sign, and the number of digits, without
+    /// consuming it. `None` for anything else.
     #[inline(always)]
     pub(crate) fn peek_short_integer(&self) -> Option<(u32, usize)> {
         parse_short_integer(self.rest())
     }
 
-    /// Whether the number of `length` digits (one to seven) at the cursor comes three times, with a
-    /// slash between each two, and nothing more: how writers with one list of vertices name the
-    /// corners of faces.
+    /// Whether the cursor is at a triple like `12/12/12`, where `length` (one to seven) is the
+    /// length of the number. Exporters with a single index per vertex write the corners of faces
+    /// like this.
     #[inline(always)]
-    pub(crate) fn is_threefold(&self, length: usize) -> bool {
+    pub(crate) fn is_index_triple(&self, length: usize) -> bool {
         let after = length + 1;
         let characters = |place: usize| {
             let chunk = self.bytes.get(self.position + place..)?.first_chunk()?;
@@ -173,27 +173,27 @@ impl<'a> TextCursor<'a> {
         else {
             return false;
         };
-        // What differs from the digits with a slash behind them.
+        // The bits that differ from the digits followed by a slash.
         let digits = !(u64::MAX << (8 * length));
         let slash = u64::from(b'/') << (8 * length);
         let digits_and_slash = digits | u64::from(u8::MAX) << (8 * length);
         let expected = first & digits | slash;
         let differs = ((first ^ expected) | (second ^ expected)) & digits_and_slash
             | (third ^ expected) & digits;
-        differs == 0 && self.is_delimiter(self.position + Self::threefold(length))
+        differs == 0 && self.is_delimiter(self.position + Self::triple_length(length))
     }
 
-    /// How many bytes a number of `length` digits takes three times.
+    /// The length of a triple of numbers with `length` digits.
     #[inline(always)]
-    pub(crate) fn threefold(length: usize) -> usize {
+    pub(crate) fn triple_length(length: usize) -> usize {
         3 * length + 2
     }
 
-    /// An integer, taken alone.
+    /// Consumes an integer, without the blanks after it.
     ///
     /// # Errors
     ///
-    /// A [`MeshErrorKind::Syntax`] error that calls the number `what`.
+    /// A [`MeshErrorKind::Syntax`] error that describes the number as `what`.
     pub(crate) fn integer(&mut self, what: &str) -> Result<i64, MeshError> {
         match parse_integer(&self.bytes[self.position..]) {
             Some((value, length)) => {
@@ -204,14 +204,14 @@ impl<'a> TextCursor<'a> {
         }
     }
 
-    /// Whether a number may end before this byte.
+    /// Whether the byte at this position may follow a number.
     #[inline]
     fn is_delimiter(&self, position: usize) -> bool {
         let byte = self.bytes.get(position);
         matches!(byte, None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'#'))
     }
 
-    /// An error that says what should stand here and what does.
+    /// An error that says what was expected and what was found.
     #[cold]
     pub(crate) fn expected(&self, what: &str) -> MeshError {
         const SHOWN: usize = 24;
@@ -236,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_counted_over_every_kind_of_end() {
+    fn all_kinds_of_line_ends_are_counted() {
         let mut cursor = TextCursor::new(b"a\nb\r\nc\rd \\\n e\nf");
         let mut words = Vec::new();
         while !cursor.is_at_end() {
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_statement_is_skipped_with_its_joined_lines_but_a_comment_is_not_joined() {
+    fn skipping_a_statement_follows_continuations_but_not_in_comments() {
         let mut cursor = TextCursor::new(b"l 1 2 \\\r\n 3 4\nv # x \\\ny");
         cursor.skip_statement();
         cursor.take_line_end();
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_end_at_blanks_only() {
+    fn numbers_must_end_at_a_delimiter() {
         assert_eq!(TextCursor::new(b"1.5 2").float("x"), Ok(1.5));
         let error = TextCursor::new(b"1.2.3").float("a coordinate").unwrap_err();
         assert_eq!(error.kind, MeshErrorKind::Syntax);

@@ -6,23 +6,23 @@ use glam::{Vec2, Vec3};
 
 /// An indexed triangle mesh.
 ///
-/// The front of a triangle is the side from which its corners run counter-clockwise. Readers only
-/// return meshes that pass [`TriangleMesh::validate`]; the fields are public, so a mesh that was
-/// changed by hand may not.
+/// The front of a triangle is the side from which its corners are counter-clockwise. Readers only
+/// return meshes that pass [`TriangleMesh::validate`]. The fields are public, so other meshes may
+/// not be valid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
-    /// What the file calls the mesh; empty where it says nothing.
+    /// The name in the file; empty if there is none.
     pub name: String,
-    /// Where the vertices are.
+    /// The vertex positions.
     pub positions: Vec<Vec3>,
-    /// One shading normal per vertex, or none at all. As the file has them: not necessarily of unit
-    /// length.
+    /// One shading normal per vertex, or none at all. Readers keep the length that the file gives,
+    /// which need not be one.
     pub normals: Vec<Vec3>,
     /// One texture coordinate per vertex, or none at all.
     pub uvs: Vec<Vec2>,
     /// The three corners of each triangle, as indices into `positions`.
     pub indices: Vec<[u32; 3]>,
-    /// Further values on vertices or faces.
+    /// Additional values on vertices or faces.
     pub attributes: Vec<Attribute>,
 }
 
@@ -31,15 +31,15 @@ pub struct TriangleMesh {
 pub struct Attribute {
     /// The name, with its domain as prefix: `vertex_color`, `face_weight`.
     pub name: String,
-    /// What carries the values.
+    /// Whether the values belong to vertices or faces.
     pub domain: AttributeDomain,
-    /// How many numbers belong to one vertex or face; at least one.
+    /// The number of values per vertex or face; at least one.
     pub channels: u32,
-    /// The numbers: all channels of the first vertex or face, then of the second, and so on.
+    /// The values: all channels of the first vertex or face, then of the second, and so on.
     pub values: Vec<f32>,
 }
 
-/// What carries the values of an [`Attribute`].
+/// The elements that the values of an [`Attribute`] belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AttributeDomain {
     /// One value per vertex, to be interpolated.
@@ -49,7 +49,7 @@ pub enum AttributeDomain {
 }
 
 impl AttributeDomain {
-    /// The start of the name of every attribute of this domain.
+    /// The prefix of the names of all attributes in this domain.
     #[must_use]
     pub fn prefix(self) -> &'static str {
         match self {
@@ -60,7 +60,7 @@ impl AttributeDomain {
 }
 
 impl TriangleMesh {
-    /// The box around all vertices, whether a triangle uses them or not.
+    /// The box around all vertices, including unused ones.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         Bounds3::from_points(self.positions.iter().copied())
@@ -70,18 +70,18 @@ impl TriangleMesh {
     ///
     /// # Panics
     ///
-    /// Where `face` is not below the number of triangles or the mesh is not valid.
+    /// If `face` is out of range or the mesh is not valid.
     #[must_use]
     pub fn corners(&self, face: usize) -> [Vec3; 3] {
         self.indices[face].map(|index| self.positions[index as usize])
     }
 
-    /// The total area of all triangles, in the square of the unit of the positions. The sum is in
-    /// double precision, so that a million small triangles do not drown.
+    /// The total area of all triangles, in squared units of the positions. Summed in double
+    /// precision, so that small triangles are not lost.
     ///
     /// # Panics
     ///
-    /// Where the mesh is not valid.
+    /// If the mesh is not valid.
     #[must_use]
     pub fn surface_area(&self) -> f64 {
         let area = |face: usize| {
@@ -91,14 +91,14 @@ impl TriangleMesh {
         (0..self.indices.len()).map(area).sum()
     }
 
-    /// Checks what every consumer relies on.
+    /// Checks the invariants that all consumers rely on.
     ///
     /// # Errors
     ///
-    /// [`MeshErrorKind::OutOfRange`] where a triangle has an index that no vertex has,
-    /// [`MeshErrorKind::NonFinite`] where a number is NaN or infinite,
-    /// [`MeshErrorKind::Inconsistent`] where normals, texture coordinates or attributes are not as
-    /// many as what carries them, and [`MeshErrorKind::Limit`] for more than 2³² − 1 vertices.
+    /// [`MeshErrorKind::OutOfRange`] for an index without a vertex, [`MeshErrorKind::NonFinite`]
+    /// for a number that is NaN or infinite, [`MeshErrorKind::Inconsistent`] if the number of
+    /// normals, texture coordinates or attribute values does not match that of the vertices or
+    /// faces, and [`MeshErrorKind::Limit`] for more than 2³² − 2 vertices.
     pub fn validate(&self) -> Result<(), MeshError> {
         self.validate_lengths()?;
         self.validate_indices()?;
@@ -126,7 +126,7 @@ impl TriangleMesh {
                 return Err(MeshError::new(
                     MeshErrorKind::Inconsistent,
                     format!(
-                        "attribute `{}` has {} values where {carriers} times {} are needed",
+                        "attribute `{}` has {} values, but {carriers} × {} are needed",
                         attribute.name,
                         attribute.values.len(),
                         attribute.channels
@@ -181,14 +181,14 @@ impl TriangleMesh {
     }
 }
 
-/// Refuses more vertices than a `u32` index can tell apart from "none".
+/// Rejects vertex counts that do not fit `u32` indices; the greatest index is reserved for "none".
 pub(crate) fn check_vertex_count(count: u64) -> Result<(), MeshError> {
     if count < u64::from(u32::MAX) {
         return Ok(());
     }
     Err(MeshError::new(
         MeshErrorKind::Limit,
-        format!("{count} vertices are more than the {} that a mesh may have", u32::MAX - 1),
+        format!("{count} vertices exceed the limit of {}", u32::MAX - 1),
     ))
 }
 
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn validation_names_each_defect() {
+    fn validation_reports_each_defect() {
         assert_eq!(kind(&right_triangle()), None);
         let mut mesh = right_triangle();
         mesh.indices[0][1] = 3;

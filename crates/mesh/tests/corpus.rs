@@ -1,4 +1,5 @@
-//! Files with one defect each, named after it: all are refused, for the right reason, at once.
+//! Files with one defect each, which their name states. All are rejected quickly, for the right
+//! reason.
 #![allow(clippy::disallowed_methods, reason = "the corpus is read from files")]
 
 use etendue_mesh::MeshErrorKind::{
@@ -8,7 +9,7 @@ use etendue_mesh::{MeshError, ObjOptions, read_obj, read_ply, read_serialized};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Every file of `tests/corpus`, and what is wrong with it.
+/// Every file of `tests/corpus`, and the error it gives.
 const EXPECTED: &[(&str, MeshErrorKind)] = &[
     ("continuation_at_end_of_file.obj", Syntax),
     ("decimal_comma.obj", Syntax),
@@ -76,7 +77,7 @@ fn corpus() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus")
 }
 
-/// The error that reading a file gives, by its extension.
+/// The error from reading a file, by its extension.
 fn error_of(name: &str, bytes: &[u8]) -> Option<MeshError> {
     match name.rsplit_once('.')?.1 {
         "obj" => read_obj(bytes, &ObjOptions::default()).err(),
@@ -86,14 +87,14 @@ fn error_of(name: &str, bytes: &[u8]) -> Option<MeshError> {
 }
 
 #[test]
-fn every_file_is_refused_for_its_reason() {
+fn every_file_is_rejected_for_its_defect() {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(corpus()).expect("the corpus is here") {
         let path = entry.expect("the corpus can be listed").path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let bytes = std::fs::read(&path).expect("the corpus can be read");
         let error = error_of(&name, &bytes);
-        // Errors in text formats say where they are.
+        // Errors in text formats have a line.
         if let Some(error) = &error
             && name.ends_with(".obj")
             && name != "not_text_at_all.obj"

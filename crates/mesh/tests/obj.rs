@@ -1,4 +1,4 @@
-//! OBJ files as they come: every form of face, and what is done about gaps.
+//! OBJ files in practice: every form of face, and how missing data is filled in.
 
 use etendue_mesh::{
     MeshErrorKind, ObjMesh, ObjOptions, ObjWarningKind, TriangleMesh, read_obj, write_obj,
@@ -15,7 +15,7 @@ fn read(text: &str) -> ObjMesh {
     read
 }
 
-/// The kind, line and text of the error that reading gives.
+/// The kind, line and text of the error from reading.
 fn error(text: &str) -> (MeshErrorKind, Option<u64>, String) {
     let error = read_obj(text.as_bytes(), &ObjOptions::default()).expect_err("not a valid file");
     (error.kind, error.line, error.message)
@@ -49,7 +49,7 @@ fn every_form_of_corner_is_read() {
 }
 
 #[test]
-fn corners_are_what_they_say_whether_their_indices_agree_or_not() {
+fn corners_with_equal_and_different_indices_are_read() {
     const COUNT: usize = 12_345;
     let mut text = String::new();
     for index in 0..COUNT {
@@ -62,7 +62,7 @@ fn corners_are_what_they_say_whether_their_indices_agree_or_not() {
         for _ in 0..3 {
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             let [v, wanted] = [random >> 33, random >> 20].map(|bits| bits as usize % COUNT + 1);
-            // Some begin alike: 12/12/123.
+            // Some start with the same digits: 12/12/123.
             let longer = if v * 10 <= COUNT { v * 10 } else { wanted };
             let (vt, vn) = match random >> 60 {
                 0..8 => (v, v),
@@ -84,7 +84,7 @@ fn corners_are_what_they_say_whether_their_indices_agree_or_not() {
 }
 
 #[test]
-fn an_index_that_agrees_must_be_in_all_three_lists() {
+fn an_index_triple_must_be_valid_in_all_three_lists() {
     let text =
         format!("{TRIANGLE}vt 0 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/2 3/3/3 # comment behind\n");
     let message = "normal index 2 is out of range: there are 1 normals".to_owned();
@@ -92,7 +92,7 @@ fn an_index_that_agrees_must_be_in_all_three_lists() {
 }
 
 #[test]
-fn one_vertex_is_made_for_each_triple() {
+fn each_distinct_triple_becomes_one_vertex() {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\n";
     let shared = read(&format!("{square}f 1/1 2/1 3/1\nf 1/1 3/1 4/1\n")).mesh;
     assert_eq!((shared.positions.len(), shared.indices[1]), (4, [0, 2, 3]));
@@ -103,7 +103,7 @@ fn one_vertex_is_made_for_each_triple() {
 }
 
 #[test]
-fn corners_without_a_coordinate_do_not_tear_the_others() {
+fn corners_without_coordinates_do_not_affect_the_others() {
     let text = format!("{TRIANGLE}v 1 1 0\nvt 0.5 0.5\nvn 0 0 -1\nf 1 2 3\nf 2/1/1 4/1/1 3/1/1\n");
     let mesh = read(&text).mesh;
     assert_eq!(mesh.positions.len(), 6);
@@ -117,7 +117,7 @@ fn corners_without_a_coordinate_do_not_tear_the_others() {
 }
 
 #[test]
-fn flipping_turns_written_coordinates_only() {
+fn flipping_affects_only_coordinates_in_the_file() {
     let text = format!("{TRIANGLE}vt 0.25 0.125\nf 1/1 2/1 3\n");
     let options = ObjOptions { flip_texture_coordinates: true };
     let mesh = read_obj(text.as_bytes(), &options).expect("a valid file").mesh;
@@ -137,7 +137,7 @@ fn faces_may_come_before_their_vertices() {
 }
 
 #[test]
-fn indices_out_of_range_are_named_with_their_line_and_the_count() {
+fn indices_out_of_range_are_reported_with_line_and_count() {
     for (face, expected) in [
         ("f 1 2 0", "position index 0 is not valid: indices start at 1"),
         ("f 1 2 -4", "position index -4 is out of range: 3 positions come before it"),
@@ -158,7 +158,7 @@ fn indices_out_of_range_are_named_with_their_line_and_the_count() {
 }
 
 #[test]
-fn what_is_no_statement_is_a_syntax_error_with_its_line() {
+fn malformed_statements_are_syntax_errors_with_a_line() {
     for bad in [
         "v 1 2",
         "v 1 2 x",
@@ -182,7 +182,7 @@ fn what_is_no_statement_is_a_syntax_error_with_its_line() {
 }
 
 #[test]
-fn numbers_that_single_precision_does_not_hold_are_refused_but_not_in_normals() {
+fn non_finite_numbers_are_rejected_except_in_normals() {
     for bad in ["v 1e39 0 0", "v 0 nan 0", "v 0 0 -inf", "vt 1e999"] {
         let (kind, line, _) = error(&format!("{TRIANGLE}{bad}\n"));
         assert_eq!((kind, line), (MeshErrorKind::NonFinite, Some(4)), "{bad}");
@@ -195,7 +195,7 @@ fn numbers_that_single_precision_does_not_hold_are_refused_but_not_in_normals() 
 }
 
 #[test]
-fn what_is_left_out_is_counted() {
+fn ignored_statements_are_counted() {
     let read = read(&format!(
         "mtllib a.mtl\r\no Küche\r\no second\r\ng x y\r\ns off\r\nusemtl a\r\n{TRIANGLE}\
          v 1 1 1 0.5 0.5 0.5\nf 1 2 3\nusemtl b\nl 1 2 \\\n 3\np 1\nf 1 2\n\
@@ -227,7 +227,7 @@ fn polygons_are_split_and_concave_ones_stay_inside_their_outline() {
 }
 
 #[test]
-fn line_ends_marks_and_empty_files_do_not_matter() {
+fn line_ends_byte_order_marks_and_empty_files_are_accepted() {
     let plain = read(&format!("{TRIANGLE}f 1 2 3")).mesh;
     for end in ["\n", "\r\n", "\r", "  \t\n", " # x\n", "\n\n#\n"] {
         let text = format!("\u{feff}{TRIANGLE}f 1 2 3\n").replace('\n', end);
@@ -237,10 +237,10 @@ fn line_ends_marks_and_empty_files_do_not_matter() {
     assert_eq!(read("# nothing\ng a").mesh, TriangleMesh::default());
 }
 
-/// What would take hours if looking up a corner, splitting a polygon or going back for vertices
-/// that come later took quadratic time.
+/// These files would take hours if looking up a corner, splitting a polygon, or referring to later
+/// vertices took quadratic time.
 #[test]
-fn large_files_made_to_be_slow_take_no_quadratic_time() {
+fn malicious_files_do_not_take_quadratic_time() {
     const COUNT: usize = 300_000;
     let mut one_position = TRIANGLE.to_owned();
     let mut one_polygon = String::from("f");
@@ -272,7 +272,7 @@ fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
         let index = 0..count as u32;
         let faces = prop::collection::vec([index.clone(), index.clone(), index], 1..30);
         (vectors, uvs, normals, faces).prop_map(move |(positions, uvs, normals, mut indices)| {
-            // Every vertex in order of first use, as the reader numbers them.
+            // Makes the order of first use that of the vertices, as in the reader.
             indices.splice(0..0, (0..count as u32).map(|vertex| [vertex; 3]));
             TriangleMesh {
                 positions: positions.into_iter().map(Vec3::from_array).collect(),
@@ -293,13 +293,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn what_is_written_is_read_back(mesh in any_mesh()) {
+    fn written_files_are_read_back(mesh in any_mesh()) {
         let read = read_obj(&write_obj(&mesh), &ObjOptions::default());
         prop_assert_eq!(read.map(|read| read.mesh), Ok(mesh));
     }
 
     #[test]
-    fn a_cut_or_damaged_file_never_panics(
+    fn truncated_or_corrupt_files_never_panic(
         mesh in any_mesh(),
         place in any::<prop::sample::Index>(),
         byte in any::<u8>(),
@@ -308,8 +308,8 @@ proptest! {
         let place = place.index(bytes.len());
         let cut = read_obj(&bytes[..place], &ObjOptions::default());
         bytes[place] = byte;
-        let damaged = read_obj(&bytes, &ObjOptions::default());
-        for read in [cut, damaged].into_iter().flatten() {
+        let corrupt = read_obj(&bytes, &ObjOptions::default());
+        for read in [cut, corrupt].into_iter().flatten() {
             prop_assert_eq!(read.mesh.validate(), Ok(()));
         }
     }

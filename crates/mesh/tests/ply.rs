@@ -1,4 +1,4 @@
-//! PLY files in every encoding, with properties in every order, and what becomes of them.
+//! PLY files in every encoding, with properties in every order.
 
 use etendue_mesh::{
     Attribute, AttributeDomain, MeshErrorKind, TriangleMesh, read_ply, read_ply_points, write_ply,
@@ -6,7 +6,7 @@ use etendue_mesh::{
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 
-/// The numbers of a body, by their type.
+/// A number in a body, with its type.
 #[derive(Clone, Copy)]
 enum Number {
     Char(i8),
@@ -48,7 +48,7 @@ impl Number {
     }
 }
 
-/// The same file in all three encodings, which must all give the same result.
+/// Reads the same file in all three encodings, which must give the same result.
 fn read(header: &str, body: &[Number]) -> Result<TriangleMesh, MeshErrorKind> {
     let start =
         |format: &str| format!("ply\nformat {format} 1.0\n{header}end_header\n").into_bytes();
@@ -121,7 +121,7 @@ fn texture_coordinates_have_three_names() {
 }
 
 #[test]
-fn polygons_are_split_and_pass_their_values_on() {
+fn polygons_are_split_and_their_triangles_inherit_the_values() {
     let header = format!(
         "element vertex 5\n{POSITIONS}element face 4\nproperty uchar red\n{CORNERS}\
          property uchar green\nproperty uchar blue\nproperty float weight_0\nproperty list uchar float ignored\n"
@@ -145,15 +145,14 @@ fn polygons_are_split_and_pass_their_values_on() {
     let mesh = read(&header, &body).expect("valid");
     assert_eq!(mesh.indices.len(), 4);
     let arrowhead = TriangleMesh { indices: mesh.indices[..2].to_vec(), ..mesh.clone() };
-    // Were the concave polygon split as a fan from corner 0, this would be the same; from corner 1,
-    // it would be more.
+    // A fan from corner 0 would give the same area; one from corner 1 would give more.
     assert_eq!(arrowhead.surface_area(), 3.0);
     let values = |name: &str| {
         let attribute = mesh.attributes.iter().find(|attribute| attribute.name == name);
         attribute.map(|attribute| attribute.values.clone()).unwrap_or_default()
     };
     assert_eq!(values("face_weight"), [255.0, 255.0, 51.0, 0.0]);
-    // The list stands between red and the others, so they are no group.
+    // The list between red and the other colours separates them.
     assert_eq!(values("face_color"), [1.0, 1.0, 0.2, 0.0]);
     assert_eq!(values("face_green"), [0.0; 4]);
 }
@@ -196,7 +195,7 @@ fn other_elements_and_lists_are_skipped() {
     let mesh = read(&header, &body).expect("valid");
     assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     assert_eq!(mesh.indices, [[0, 1, 2]]);
-    // What comes after the vertices and faces does not matter, not even whether it is there.
+    // Data after the vertices and faces is optional.
     body.pop();
     assert_eq!(read(&header, &body), Ok(mesh));
     body.pop();
@@ -222,7 +221,7 @@ fn points_need_no_faces() {
     let cloud = read_ply_points(&bytes(&header, "0 1 0 7\n2 3 0 8\n")).expect("two points");
     assert_eq!(cloud.positions, [Vec3::new(0.0, 1.0, 0.0), Vec3::new(2.0, 3.0, 0.0)]);
     assert_eq!(cloud.attributes[0].values, [7.0, 8.0]);
-    // Faces are left out, before the vertices as after them, even where they are wrong.
+    // Faces are ignored, before or after the vertices, even if they are invalid.
     let before = format!("element face 1\n{CORNERS}element vertex 1\n{POSITIONS}");
     let cloud = read_ply_points(&bytes(&before, "3 0 1 9\n1 2 3\n")).expect("a point");
     assert_eq!((cloud.positions.len(), cloud.indices.len()), (1, 0));
@@ -235,7 +234,7 @@ fn points_need_no_faces() {
 }
 
 #[test]
-fn errors_have_a_place() {
+fn errors_have_a_location() {
     let header = format!("element vertex 3\n{POSITIONS}element face 1\n{CORNERS}end_header\n");
     let text = format!("ply\nformat ascii 1.0\n{header}0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
     let error = read_ply(text.as_bytes()).expect_err("there is no vertex 7");
@@ -295,12 +294,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn what_is_written_is_read_back(mesh in any_mesh()) {
+    fn written_files_are_read_back(mesh in any_mesh()) {
         prop_assert_eq!(read_ply(&write_ply(&mesh)), Ok(mesh));
     }
 
     #[test]
-    fn cut_or_damaged_files_never_panic(
+    fn truncated_or_corrupt_files_never_panic(
         mesh in any_mesh(),
         cut in any::<prop::sample::Index>(),
         place in any::<prop::sample::Index>(),

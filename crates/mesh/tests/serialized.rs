@@ -1,4 +1,4 @@
-//! Serialized files of both versions, made here, and what may be wrong with them.
+//! Serialized files of both versions, generated here, valid and corrupt.
 
 use etendue_mesh::{
     AttributeDomain, MeshErrorKind, TriangleMesh, read_serialized, serialized_shape_count,
@@ -15,7 +15,7 @@ const FACE_NORMALS: u32 = 0x0010;
 const SINGLE: u32 = 0x1000;
 const DOUBLE: u32 = 0x2000;
 
-/// What a shape says about itself, which need not be true.
+/// What a shape claims to contain, which may be false.
 #[derive(Clone)]
 struct Shape {
     flags: u32,
@@ -25,7 +25,7 @@ struct Shape {
     indices: Vec<u32>,
 }
 
-/// Two triangles over a folded square, with every array that the flags name.
+/// Two triangles over a folded square, with every array that the flags announce.
 fn shape(flags: u32) -> Shape {
     let mut numbers = vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0];
     let mut add = |bit: u32, values: Vec<f64>| {
@@ -115,7 +115,7 @@ fn every_combination_of_version_precision_and_arrays_is_read() {
 }
 
 #[test]
-fn each_shape_of_a_file_is_found() {
+fn every_shape_of_a_file_can_be_read() {
     for version in [3, 4] {
         let mut second = shape(SINGLE | UVS);
         second.numbers[0] = 7.0;
@@ -130,7 +130,7 @@ fn each_shape_of_a_file_is_found() {
 }
 
 #[test]
-fn flat_shapes_have_the_normals_of_their_faces() {
+fn flat_shapes_have_face_normals() {
     let shape = shape(SINGLE | NORMALS | UVS | COLORS | FACE_NORMALS);
     let mesh = read_serialized(&file_of(4, &shape), 0).expect("valid");
     assert_eq!(mesh.validate(), Ok(()));
@@ -145,7 +145,7 @@ fn flat_shapes_have_the_normals_of_their_faces() {
 }
 
 #[test]
-fn false_counts_are_found_out() {
+fn false_counts_are_detected() {
     for version in [3, 4] {
         for (change, expected) in [
             ((|shape| shape.vertex_count = 5) as fn(&mut Shape), MeshErrorKind::Truncated),
@@ -162,7 +162,7 @@ fn false_counts_are_found_out() {
         ] {
             let mut shape = shape(SINGLE);
             change(&mut shape);
-            // What was announced as double precision has only the bytes of single precision.
+            // The data stays in single precision, even if the flags announce double precision.
             let flags = shape.flags.to_le_bytes();
             shape.flags = SINGLE;
             let mut payload = payload(&shape, version);
@@ -173,7 +173,7 @@ fn false_counts_are_found_out() {
 }
 
 #[test]
-fn a_stream_that_inflates_to_much_more_than_announced_is_left_after_what_was() {
+fn excess_data_in_the_stream_is_not_inflated() {
     let mut payload = payload(&shape(SINGLE), 4);
     payload.extend(vec![0; 64 << 20]);
     let mesh = read_serialized(&file(4, &[payload]), 0);
@@ -181,14 +181,14 @@ fn a_stream_that_inflates_to_much_more_than_announced_is_left_after_what_was() {
 }
 
 #[test]
-fn names_without_end_are_limited() {
+fn unterminated_names_are_limited() {
     let mut payload = SINGLE.to_le_bytes().to_vec();
     payload.extend(vec![b'x'; 1 << 20]);
     assert_eq!(kind(&file(4, &[payload]), 0), Some(MeshErrorKind::Limit));
 }
 
 #[test]
-fn damaged_files_are_told_apart() {
+fn corrupt_files_give_distinct_errors() {
     let good = file_of(4, &shape(SINGLE | UVS));
     let changed = |place: usize, byte: u8| {
         let mut bytes = good.clone();
@@ -196,7 +196,7 @@ fn damaged_files_are_told_apart() {
         kind(&bytes, 0)
     };
     let end = good.len();
-    // The checksum of the stream comes right before the dictionary.
+    // The checksum of the stream is right before the dictionary.
     assert_eq!(changed(end - 13, good[end - 13] ^ 1), Some(MeshErrorKind::Syntax));
     assert_eq!(changed(0, 0), Some(MeshErrorKind::Syntax));
     assert_eq!(changed(2, 5), Some(MeshErrorKind::Unsupported));
@@ -214,7 +214,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn cut_or_damaged_files_never_panic(
+    fn truncated_or_corrupt_files_never_panic(
         version in 3_u16..5,
         flags in 0_u32..32,
         cut in any::<prop::sample::Index>(),

@@ -1,26 +1,26 @@
-//! The statements of an OBJ file.
+//! Reads the statements of an OBJ file.
 
+use super::options::{ObjMesh, ObjOptions};
 use super::warning::{ObjWarningKind, Tally};
 use super::weld::{Corner, NONE, Weld};
-use super::{ObjMesh, ObjOptions};
 use crate::error::{MeshError, MeshErrorKind};
 use crate::polygon::triangulate;
 use crate::text::TextCursor;
 use crate::triangle_mesh::{TriangleMesh, check_vertex_count};
 use glam::{Vec2, Vec3};
 
-/// Which statements a pass reads.
+/// The statements that a pass reads.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Statements {
-    /// All of them, which does for files whose faces come after their vertices.
+    /// All statements: suffices if faces come after their vertices.
     All,
     /// All but faces.
     Vertices,
-    /// Faces only, after a pass over the vertices. The others are counted.
+    /// Only faces, after a pass over the vertices. Other statements are counted.
     Faces,
 }
 
-/// The three lists that faces point into.
+/// The three lists that faces refer to.
 #[derive(Clone, Copy)]
 enum List {
     Positions,
@@ -29,7 +29,7 @@ enum List {
 }
 
 impl List {
-    /// What one element is called in messages.
+    /// The name of one element in messages.
     fn noun(self) -> &'static str {
         match self {
             Self::Positions => "position",
@@ -39,25 +39,25 @@ impl List {
     }
 }
 
-/// What was read so far.
+/// The state of the reader.
 pub(super) struct Reader {
     statements: Statements,
     name: Option<String>,
     positions: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
-    /// How many elements of each [`List`] the pass has come by: negative indices count from there.
+    /// The number of elements of each [`List`] that this pass has seen: the base of negative
+    /// indices.
     seen: [usize; 3],
     weld: Weld,
-    /// The vertices of the face being read; kept for its memory.
+    /// The vertices of the current face; kept to reuse the memory.
     polygon: Vec<u32>,
     indices: Vec<[u32; 3]>,
     tally: Tally,
-    points_ahead: bool,
+    refers_ahead: bool,
 }
 
 impl Reader {
-    /// A reader that has read nothing.
     pub(super) fn new() -> Self {
         Self {
             statements: Statements::All,
@@ -70,16 +70,16 @@ impl Reader {
             polygon: Vec::new(),
             indices: Vec::new(),
             tally: Tally::default(),
-            points_ahead: false,
+            refers_ahead: false,
         }
     }
 
-    /// Whether the last pass stopped at an index that may be valid further down.
-    pub(super) fn points_ahead(&self) -> bool {
-        self.points_ahead
+    /// Whether the last pass stopped at an index that may refer to a later vertex.
+    pub(super) fn refers_ahead(&self) -> bool {
+        self.refers_ahead
     }
 
-    /// One pass over the file.
+    /// Makes one pass over the file.
     pub(super) fn read(&mut self, bytes: &[u8], statements: Statements) -> Result<(), MeshError> {
         self.statements = statements;
         self.seen = [0; 3];
@@ -99,7 +99,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads up to the end of one statement, or a comment in it.
+    /// Reads one statement up to its end, or to a comment.
     #[inline]
     fn read_statement(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
         if cursor.is_at_statement_end() {
@@ -139,8 +139,8 @@ impl Reader {
         check_vertex_count(self.positions.len() as u64)
     }
 
-    /// A normal that is not finite is taken as one without a direction: writers divide by the
-    /// length of degenerate faces, and the rest of such a file is fine.
+    /// A normal that is not finite is treated like a zero normal: some exporters divide by the
+    /// length of degenerate faces, and the rest of such a file is usable.
     #[inline]
     fn read_normal(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
         let mut normal = read_vector(cursor, "a coordinate of a normal")?;
@@ -192,15 +192,16 @@ impl Reader {
         Ok(())
     }
 
-    /// One corner: `v`, `v/vt`, `v//vn`, `v/vt/vn`; also `v/` and `v//`, which some writers leave.
+    /// One corner: `v`, `v/vt`, `v//vn`, `v/vt/vn`; also `v/` and `v//`, which some exporters
+    /// write.
     #[inline(always)]
     fn read_corner(&mut self, cursor: &mut TextCursor<'_>) -> Result<Corner, MeshError> {
         let common_count = self.positions.len().min(self.uvs.len()).min(self.normals.len());
         if let Some((written, length)) = cursor.peek_short_integer()
-            && cursor.is_threefold(length)
+            && cursor.is_index_triple(length)
             && (1..=common_count).contains(&(written as usize))
         {
-            cursor.advance(TextCursor::threefold(length));
+            cursor.advance(TextCursor::triple_length(length));
             let index = written - 1;
             return Ok(Corner { position: index, uv: index, normal: index });
         }
@@ -224,7 +225,7 @@ impl Reader {
         }
     }
 
-    /// An index into `list`, counted from zero, that has an element.
+    /// Reads a valid index into `list`, and converts it to start at zero.
     #[inline(always)]
     fn read_index(&mut self, cursor: &mut TextCursor<'_>, list: List) -> Result<u32, MeshError> {
         if let Some((written, length)) = cursor.peek_short_integer()
@@ -236,7 +237,7 @@ impl Reader {
         self.read_any_index(cursor, list)
     }
 
-    /// [`Reader::read_index`] in all notations.
+    /// [`Reader::read_index`] for every notation.
     #[inline(never)]
     fn read_any_index(
         &mut self,
@@ -247,14 +248,14 @@ impl Reader {
         let seen = self.seen[list as usize];
         let index = match written {
             1.. => (written - 1) as u64,
-            // One before the first element wraps around to a number that is out of range.
+            // Before the first element, this wraps around to a number that is out of range.
             ..0 => (seen as u64).wrapping_add_signed(written),
             0 => return Err(self.out_of_range(cursor, list, written)),
         };
         if index < self.count(list) as u64 {
             return Ok(index as u32);
         }
-        self.points_ahead = self.statements == Statements::All && written > 0;
+        self.refers_ahead = self.statements == Statements::All && written > 0;
         Err(self.out_of_range(cursor, list, written))
     }
 
@@ -284,7 +285,7 @@ impl Reader {
         cursor.error(MeshErrorKind::OutOfRange, message)
     }
 
-    /// Counts what is lost with a statement that is neither a vertex nor a face, and keeps the name
+    /// Counts statements that are neither vertices nor faces and have no effect, and keeps the name
     /// of the first object.
     fn note_other(&mut self, keyword: &[u8], cursor: &mut TextCursor<'_>) {
         let line = cursor.line();
@@ -304,7 +305,7 @@ impl Reader {
         }
     }
 
-    /// Puts the vertices together.
+    /// Assembles the mesh.
     pub(super) fn finish(mut self, options: &ObjOptions) -> Result<ObjMesh, MeshError> {
         let is_empty = self.positions.is_empty() && self.indices.is_empty();
         if is_empty && self.tally.of(ObjWarningKind::UnknownStatement) > 0 {
@@ -322,7 +323,7 @@ impl Reader {
         {
             let weld = self.weld.seal();
             let corners = weld.corners();
-            // One list after the other, so that its source is gone before the next one grows.
+            // One list after another, so that each source is freed before the next list grows.
             mesh.positions = gather(self.positions, corners.clone().map(|corner| corner.position));
             mesh.uvs = gather(self.uvs, corners.clone().map(|corner| corner.uv));
             mesh.normals = gather(self.normals, corners.clone().map(|corner| corner.normal));
@@ -339,8 +340,8 @@ impl Reader {
     }
 }
 
-/// The elements of `list` at `picks`, and zero for [`NONE`]; empty where all are that. Takes the
-/// list as it is where the picks are just its elements in order.
+/// The elements of `list` at `picks`, with zero for [`NONE`]; empty if all picks are [`NONE`].
+/// Reuses the list if the picks are its elements in order.
 fn gather<T: Copy + Default>(mut list: Vec<T>, picks: impl Iterator<Item = u32> + Clone) -> Vec<T> {
     let in_order = picks.clone().zip(0..).take_while(|&(pick, place)| pick == place).count();
     let pick_count = picks.clone().count();

@@ -1,15 +1,15 @@
-//! What an OBJ file says that a triangle mesh does not.
+//! Warnings about parts of an OBJ file that a triangle mesh cannot represent.
 
 use std::fmt;
 
-/// Something in an OBJ file that was left out or replaced.
+/// Something in an OBJ file that was ignored or replaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObjWarning {
-    /// What it is.
+    /// The class of the warning.
     pub kind: ObjWarningKind,
-    /// How often it occurs.
+    /// The number of occurrences.
     pub count: u64,
-    /// The line where it occurs first, counted from one.
+    /// The line of the first occurrence, starting at one.
     pub first_line: u64,
 }
 
@@ -17,24 +17,24 @@ pub struct ObjWarning {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ObjWarningKind {
-    /// Points (`p`) and polylines (`l`) were left out.
+    /// Points (`p`) and polylines (`l`) were ignored.
     PointOrLine,
-    /// Curves and surfaces (`curv`, `surf`, `vp` and their kin) were left out.
+    /// Curves and surfaces (`curv`, `surf`, `vp` and related statements) were ignored.
     FreeForm,
-    /// Colours or weights after the coordinates of a position were left out.
+    /// Colours or weights after the coordinates of a position were ignored.
     VertexColor,
-    /// Faces with fewer than three corners were left out.
+    /// Faces with fewer than three corners were ignored.
     DegenerateFace,
-    /// Normals without a direction were replaced by computed ones.
+    /// Zero or non-finite normals were replaced by computed ones.
     UnusableNormal,
     /// There are several materials (`usemtl`), but the mesh has one.
     SeveralMaterials,
-    /// Statements that OBJ does not have were left out.
+    /// Statements that are not part of OBJ were ignored.
     UnknownStatement,
 }
 
 impl ObjWarningKind {
-    /// Every kind, in the order in which they are reported.
+    /// All kinds, in the order in which they are reported.
     pub(crate) const ALL: [Self; 7] = [
         Self::PointOrLine,
         Self::FreeForm,
@@ -47,13 +47,13 @@ impl ObjWarningKind {
 
     fn description(self) -> &'static str {
         match self {
-            Self::PointOrLine => "points or lines were left out",
-            Self::FreeForm => "curves or surfaces were left out",
-            Self::VertexColor => "vertex colours or weights were left out",
-            Self::DegenerateFace => "faces with fewer than three corners were left out",
+            Self::PointOrLine => "points or lines were ignored",
+            Self::FreeForm => "curves or surfaces were ignored",
+            Self::VertexColor => "vertex colours or weights were ignored",
+            Self::DegenerateFace => "faces with fewer than three corners were ignored",
             Self::UnusableNormal => "normals without a direction were replaced by computed ones",
-            Self::SeveralMaterials => "materials are named, but the mesh has a single one",
-            Self::UnknownStatement => "unknown statements were left out",
+            Self::SeveralMaterials => "materials are used, but the mesh has only one",
+            Self::UnknownStatement => "unknown statements were ignored",
         }
     }
 }
@@ -65,12 +65,12 @@ impl fmt::Display for ObjWarning {
     }
 }
 
-/// How often each kind was met, and where first.
+/// The number of occurrences of each kind, and the line of the first.
 #[derive(Default)]
 pub(crate) struct Tally([(u64, u64); ObjWarningKind::ALL.len()]);
 
 impl Tally {
-    /// Counts one more at `line`.
+    /// Counts one more occurrence, at `line`.
     pub(crate) fn count(&mut self, kind: ObjWarningKind, line: u64) {
         let (count, first_line) = &mut self.0[kind as usize];
         if *count == 0 {
@@ -79,12 +79,12 @@ impl Tally {
         *count += 1;
     }
 
-    /// How many there were.
+    /// The number of occurrences of a kind.
     pub(crate) fn of(&self, kind: ObjWarningKind) -> u64 {
         self.0[kind as usize].0
     }
 
-    /// The warnings of all that were met. One material is none too many.
+    /// The warnings for all kinds that occurred. A single material is not worth one.
     pub(crate) fn warnings(&self) -> Vec<ObjWarning> {
         let warning = |kind: ObjWarningKind| {
             let (count, first_line) = self.0[kind as usize];
@@ -100,12 +100,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_warning_reads_as_a_sentence_with_its_first_line() {
+    fn a_warning_is_a_sentence_with_its_first_line() {
         let mut tally = Tally::default();
         tally.count(ObjWarningKind::UnknownStatement, 9);
         tally.count(ObjWarningKind::UnknownStatement, 11);
         tally.count(ObjWarningKind::SeveralMaterials, 2);
         let texts: Vec<String> = tally.warnings().iter().map(ToString::to_string).collect();
-        assert_eq!(texts, ["line 9: 2 unknown statements were left out"]);
+        assert_eq!(texts, ["line 9: 2 unknown statements were ignored"]);
     }
 }

@@ -1,28 +1,28 @@
-//! One vertex for each different triple of position, texture coordinate and normal.
+//! Merges corners with the same position, texture coordinate and normal into one vertex.
 
 use crate::error::MeshError;
 use crate::triangle_mesh::check_vertex_count;
 use std::collections::HashMap;
 
-/// The index that stands for none.
+/// Stands for no index.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Vertices at one position that are looked up one after the other; further ones are hashed, so
-/// that a file with a million normals at one position takes no quadratic time.
-const LONGEST_CHAIN: u32 = 16;
+/// The number of vertices at one position that are searched linearly. Further ones are hashed, so
+/// that a file with a million normals at one position does not take quadratic time.
+const MAX_CHAIN_LENGTH: u32 = 16;
 
-/// The corner of a face: indices into the file's three lists, counted from zero.
+/// The corner of a face: zero-based indices into the file's three lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Corner {
-    /// Which position.
+    /// The position.
     pub(crate) position: u32,
-    /// Which texture coordinate, or [`NONE`].
+    /// The texture coordinate, or [`NONE`].
     pub(crate) uv: u32,
-    /// Which normal, or [`NONE`].
+    /// The normal, or [`NONE`].
     pub(crate) normal: u32,
 }
 
-/// A vertex, and the next one at the same position.
+/// A vertex, and the next vertex at the same position.
 #[derive(Clone, Copy)]
 struct Entry {
     corner: Corner,
@@ -31,20 +31,20 @@ struct Entry {
 
 /// The vertices made so far.
 ///
-/// Most positions belong to one or two vertices, so a chain per position finds them with one or two
-/// memory accesses and without hashing.
+/// Most positions belong to one or two vertices. A chain per position finds them with one or two
+/// memory accesses, and without hashing.
 #[derive(Default)]
 pub(crate) struct Weld {
     /// The first vertex at each position, or [`NONE`].
     first_at: Vec<u32>,
     entries: Vec<Entry>,
-    /// The vertices behind full chains.
+    /// The vertices beyond full chains.
     overflow: HashMap<Corner, u32>,
 }
 
 impl Weld {
-    /// The vertex of this corner, made if it is new. There are `position_count` positions so far,
-    /// and the corner's is one of them.
+    /// The vertex of this corner, added if it is new. There are `position_count` positions so far,
+    /// including the corner's.
     #[inline]
     pub(crate) fn vertex(
         &mut self,
@@ -53,7 +53,7 @@ impl Weld {
     ) -> Result<u32, MeshError> {
         if self.first_at.len() < position_count {
             self.first_at.resize(position_count, NONE);
-            // There are mostly about as many vertices.
+            // Typically, there are about as many vertices.
             self.entries.reserve(position_count.saturating_sub(self.entries.len()));
         }
         let first = self.first_at[corner.position as usize];
@@ -68,10 +68,10 @@ impl Weld {
         self.vertex_behind(first, corner)
     }
 
-    /// The vertex of a corner that is not the first one at its position.
+    /// The vertex of a corner, if that is not the first one at its position.
     fn vertex_behind(&mut self, first: u32, corner: Corner) -> Result<u32, MeshError> {
         let mut last = first;
-        for _ in 1..LONGEST_CHAIN {
+        for _ in 1..MAX_CHAIN_LENGTH {
             let next = self.entries[last as usize].next;
             if next == NONE {
                 let vertex = self.push(corner)?;
@@ -99,18 +99,18 @@ impl Weld {
         Ok(vertex as u32)
     }
 
-    /// The corner that a vertex was made for.
+    /// The corner of a vertex.
     #[inline]
     pub(crate) fn corner(&self, vertex: u32) -> Option<Corner> {
         self.entries.get(vertex as usize).map(|entry| entry.corner)
     }
 
-    /// The corners of all vertices, in their order.
+    /// The corners of all vertices, in order.
     pub(crate) fn corners(&self) -> impl Iterator<Item = Corner> + Clone {
         self.entries.iter().map(|entry| entry.corner)
     }
 
-    /// Gives back what only [`Weld::vertex`] needs.
+    /// Frees the memory that only [`Weld::vertex`] needs.
     pub(crate) fn seal(self) -> Self {
         Self { entries: self.entries, ..Self::default() }
     }
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_triples_are_one_vertex_however_many_share_a_position() {
+    fn equal_triples_share_a_vertex_however_many_are_at_a_position() {
         let mut weld = Weld::default();
         let corner = |position, normal| Corner { position, uv: NONE, normal };
         for round in 0..2 {

@@ -3,8 +3,8 @@
 use crate::triangle_mesh::TriangleMesh;
 use std::fmt::Write;
 
-/// The mesh as an OBJ file. Every number has the digits that give it back exactly. Attributes are
-/// left out: OBJ has no place for them.
+/// Writes the mesh as an OBJ file. Numbers round-trip exactly. Attributes are dropped, because OBJ
+/// has no place for them.
 #[must_use]
 pub fn write_obj(mesh: &TriangleMesh) -> Vec<u8> {
     let mut text = String::new();

@@ -1,28 +1,28 @@
-//! Which properties of a PLY file are the channels of which attribute.
+//! Assigns the properties of a PLY file to attributes and their channels.
 
 use super::header::{Element, Property};
 use super::scalar::ScalarType;
 use crate::triangle_mesh::{Attribute, AttributeDomain};
 
-/// The channels of a colour, in the two ways that they are called.
+/// The channels of a colour, in both spellings.
 const COLOR_CHANNELS: [[&str; 2]; 4] =
     [["r", "red"], ["g", "green"], ["b", "blue"], ["a", "alpha"]];
 
-/// An attribute to be filled from the properties of an element.
+/// An attribute that is filled from the properties of an element.
 #[derive(Debug)]
 pub(super) struct Column {
     attribute: Attribute,
-    /// The properties that are its channels, in their order.
+    /// The properties that are its channels, in order.
     properties: Vec<usize>,
-    /// What each channel is to be divided by.
+    /// The divisor of each channel.
     divisors: Vec<f32>,
 }
 
 impl Column {
-    /// The columns of all numbers of `element` that are not among the properties `taken`.
+    /// The columns of all numbers of `element`, except the properties in `taken`.
     pub(super) fn all(element: &Element, domain: AttributeDomain, taken: &[usize]) -> Vec<Self> {
         let mut columns: Vec<Self> = Vec::new();
-        // The stem of the last column, while its next channel may follow.
+        // The stem of the last column, as long as its next channel may follow.
         let mut open_stem = None;
         for (index, property) in element.properties.iter().enumerate() {
             if taken.contains(&index) || property.list_count.is_some() {
@@ -69,12 +69,12 @@ impl Column {
         });
     }
 
-    /// Makes room for the values of so many vertices or faces.
+    /// Reserves memory for the values of `count` vertices or faces.
     pub(super) fn reserve(&mut self, count: usize) {
         self.attribute.values.reserve_exact(count.saturating_mul(self.properties.len()));
     }
 
-    /// Appends the values of one vertex or face, of which `value` gives each property.
+    /// Appends the values of one vertex or face; `value` returns the value of a property.
     #[inline]
     pub(super) fn append(&mut self, value: impl Fn(usize) -> f32) {
         let channels = self.properties.iter().zip(&self.divisors);
@@ -83,15 +83,15 @@ impl Column {
             .extend(channels.map(|(&property, divisor)| value(property) / divisor));
     }
 
-    /// The attribute.
+    /// The finished attribute.
     pub(super) fn finish(mut self) -> Attribute {
         self.attribute.values.shrink_to_fit();
         self.attribute
     }
 }
 
-/// The stem of the attribute that a property is named for, and which of its channels that is: `foo`
-/// and 2 for `foo_2` and `foo_z`, `foo_color` and 2 for `foo_b`, `color` and 2 for `b` and `blue`.
+/// The stem of the attribute that a property belongs to, and the channel: `foo` and 2 for `foo_2`
+/// and `foo_z`, `foo_color` and 2 for `foo_b`, `color` and 2 for `b` and `blue`.
 fn channel_of(name: &str) -> Option<(String, usize)> {
     let color = |word: &str| COLOR_CHANNELS.iter().position(|names| names.contains(&word));
     if let Some(channel) = color(name) {
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn consecutive_properties_with_one_prefix_are_one_attribute() {
+    fn consecutive_properties_with_a_common_prefix_are_one_attribute() {
         expect(&["r", "g", "b"], &[("face_color", 3)]);
         expect(&["red", "green", "blue", "alpha"], &[("face_color", 4)]);
         expect(&["foo_0", "foo_1", "foo_2", "w_0"], &[("face_foo", 3), ("face_w", 1)]);
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_in_no_group_keeps_its_name() {
+    fn ungrouped_properties_keep_their_names() {
         expect(&["quality", "foo_bar"], &[("face_quality", 1), ("face_foo_bar", 1)]);
         expect(&["foo_1", "foo_0"], &[("face_foo_1", 1), ("face_foo", 1)]);
         expect(&["a_0", "b_0", "a_1"], &[("face_a", 1), ("face_b", 1), ("face_a_1", 1)]);

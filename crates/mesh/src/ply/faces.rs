@@ -8,11 +8,11 @@ use crate::error::{MeshError, MeshErrorKind};
 use crate::polygon::triangulate;
 use crate::triangle_mesh::{AttributeDomain, TriangleMesh};
 
-/// How many attribute values may come of one byte of the file. A face with many corners passes its
-/// values on to as many triangles, which a file made for it turns into thousands per byte.
-const MOST_VALUES_PER_BYTE: usize = 16;
+/// The maximum number of attribute values per byte of the file. A face with many corners passes its
+/// values on to as many triangles; a malicious file turns this into thousands per byte.
+const MAX_VALUES_PER_BYTE: usize = 16;
 
-/// Reads all rows of `element` into `mesh`, whose positions are known unless the faces come first.
+/// Reads all rows of `element` into `mesh`. The positions are known unless the faces come first.
 pub(super) fn read_faces(
     element: &Element,
     source: &mut impl Source,
@@ -21,8 +21,8 @@ pub(super) fn read_faces(
 ) -> Result<(), MeshError> {
     let corners = find_corners(element, source)?;
     let mut columns = Column::all(element, AttributeDomain::Face, &[]);
-    let most_triangles =
-        source.bytes_left().saturating_mul(MOST_VALUES_PER_BYTE) / element.properties.len();
+    let max_triangles =
+        source.bytes_left().saturating_mul(MAX_VALUES_PER_BYTE) / element.properties.len();
     reserve(element, source, &mut columns, mesh);
     let mut row = vec![0.0; element.properties.len()];
     let mut polygon: Vec<u32> = Vec::new();
@@ -38,10 +38,10 @@ pub(super) fn read_faces(
             }
         }
         let before = mesh.indices.len();
-        if polygon.len() > 3 && before + polygon.len() > most_triangles {
+        if polygon.len() > 3 && before + polygon.len() > max_triangles {
             return Err(source.error(
                 MeshErrorKind::Limit,
-                "the values of the faces are many times the size of the file".to_owned(),
+                "the attribute values of the faces are many times the size of the file".to_owned(),
             ));
         }
         let positions = &mesh.positions;
@@ -57,7 +57,7 @@ pub(super) fn read_faces(
     Ok(())
 }
 
-/// Which property holds the corners.
+/// The index of the property that holds the corners.
 fn find_corners(element: &Element, source: &impl Source) -> Result<usize, MeshError> {
     let is_corners = |property: &Property| {
         property.list_count.is_some()
@@ -67,22 +67,22 @@ fn find_corners(element: &Element, source: &impl Source) -> Result<usize, MeshEr
     element.properties.iter().position(is_corners).ok_or_else(|| {
         source.error(
             MeshErrorKind::Unsupported,
-            "the faces have no list `vertex_indices` of whole numbers".to_owned(),
+            "the faces have no list `vertex_indices` of integers".to_owned(),
         )
     })
 }
 
-/// Makes room for as many triangles as are announced and the rest of the file can hold.
+/// Reserves memory for the announced triangles, at most as many as the rest of the file can hold.
 fn reserve<S: Source>(
     element: &Element,
     source: &S,
     columns: &mut [Column],
     mesh: &mut TriangleMesh,
 ) {
-    // A triangle is written as four numbers at least.
+    // A triangle takes at least four numbers.
     let triangle_size = |property: &Property| match property.list_count {
-        Some(count) => S::least_size(count) + 3 * S::least_size(property.value),
-        None => S::least_size(property.value),
+        Some(count) => S::min_size(count) + 3 * S::min_size(property.value),
+        None => S::min_size(property.value),
     };
     let row_size = element.properties.iter().map(triangle_size).max().unwrap_or(1);
     let at_most = source.bytes_left() / row_size;

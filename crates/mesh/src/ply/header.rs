@@ -1,14 +1,14 @@
-//! The header of a PLY file: what elements there are and what each row of them holds.
+//! The header of a PLY file: its elements, and the properties of each.
 
 use super::scalar::{ByteOrder, ScalarType};
 use crate::error::{MeshError, MeshErrorKind};
 use crate::text::TextCursor;
 
-/// More elements, or properties of one element, are taken for an attack: they cost memory and time
-/// per row.
-const MOST_ENTRIES: usize = 1024;
+/// The maximum number of elements, and of properties of one element. More are considered an attack,
+/// because they cost memory and time per row.
+const MAX_ENTRIES: usize = 1024;
 
-/// How numbers are written.
+/// The encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -25,7 +25,7 @@ pub(super) struct Property {
     pub(super) list_count: Option<ScalarType>,
 }
 
-/// A table: so many rows with a value or list for each property.
+/// A table with a value or list per row and property.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Element {
     pub(super) name: String,
@@ -42,27 +42,27 @@ impl Element {
         self.name == "face"
     }
 
-    /// Where a number with this name is among the properties.
+    /// The index of the number with this name among the properties.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         self.properties
             .iter()
             .position(|property| property.name == name && property.list_count.is_none())
     }
 
-    /// Whether every row takes the same space in a binary file.
+    /// Whether all rows have the same size in a binary file.
     pub(super) fn is_fixed(&self) -> bool {
         self.properties.iter().all(|property| property.list_count.is_none())
     }
 
-    /// The least size of a row in a binary file: with all lists empty. The exact size if
+    /// The minimum size of a row in a binary file, where all lists are empty. The exact size if
     /// [`Element::is_fixed`].
-    pub(super) fn least_row_size(&self) -> usize {
+    pub(super) fn min_row_size(&self) -> usize {
         let size = |property: &Property| property.list_count.unwrap_or(property.value).size();
         self.properties.iter().map(size).sum()
     }
 }
 
-/// Everything up to the data.
+/// The contents of the header.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Header {
     pub(super) encoding: Encoding,
@@ -111,7 +111,7 @@ impl Header {
         Ok(Self { encoding, elements })
     }
 
-    /// How many vertices are announced.
+    /// The announced number of vertices.
     pub(super) fn vertex_count(&self) -> u64 {
         self.elements.iter().find(|element| element.is_vertices()).map_or(0, |e| e.row_count)
     }
@@ -124,7 +124,7 @@ fn read_encoding(cursor: &TextCursor<'_>, name: &str) -> Result<Encoding, MeshEr
         "binary_big_endian" => Ok(Encoding::Binary(ByteOrder::Big)),
         _ => Err(cursor.error(
             MeshErrorKind::Unsupported,
-            format!("the format `{}` is not known", name.escape_debug()),
+            format!("the format `{}` is not supported", name.escape_debug()),
         )),
     }
 }
@@ -134,24 +134,26 @@ fn read_element(cursor: &TextCursor<'_>, name: &str, count: &str) -> Result<Elem
         Ok(row_count) => Ok(Element { name: name.to_owned(), row_count, properties: Vec::new() }),
         Err(_) => Err(cursor.error(
             MeshErrorKind::Syntax,
-            format!("`{}` is no number of elements", count.escape_debug()),
+            format!("`{}` is not a number of elements", count.escape_debug()),
         )),
     }
 }
 
-/// Reads what comes after the word `property`.
+/// Reads the words after `property`.
 fn read_property(cursor: &TextCursor<'_>, words: &[&str]) -> Result<Property, MeshError> {
     let scalar = |name: &str| {
         ScalarType::from_name(name).ok_or_else(|| {
             cursor.error(
                 MeshErrorKind::Syntax,
-                format!("the type `{}` is not known", name.escape_debug()),
+                format!("the type `{}` is unknown", name.escape_debug()),
             )
         })
     };
     let integer = |name: &str| match scalar(name)? {
         kind if kind.is_integer() => Ok(kind),
-        _ => Err(cursor.error(MeshErrorKind::Syntax, "the length of a list is a whole number")),
+        _ => {
+            Err(cursor.error(MeshErrorKind::Syntax, "the length of a list must be a whole number"))
+        }
     };
     match *words {
         ["list", count, value, name] => Ok(Property {
@@ -167,16 +169,16 @@ fn read_property(cursor: &TextCursor<'_>, words: &[&str]) -> Result<Property, Me
 }
 
 fn check_entries(cursor: &TextCursor<'_>, count: usize, what: &str) -> Result<(), MeshError> {
-    if count <= MOST_ENTRIES {
+    if count <= MAX_ENTRIES {
         return Ok(());
     }
-    Err(cursor.error(MeshErrorKind::Limit, format!("there are more than {MOST_ENTRIES} {what}")))
+    Err(cursor.error(MeshErrorKind::Limit, format!("there are more than {MAX_ENTRIES} {what}")))
 }
 
 fn malformed(cursor: &TextCursor<'_>, line: &str) -> MeshError {
     let start: String = line.chars().take(40).collect();
     cursor.error(
         MeshErrorKind::Syntax,
-        format!("`{}` is no line of a PLY header", start.escape_debug()),
+        format!("`{}` is not a line of a PLY header", start.escape_debug()),
     )
 }

@@ -1,4 +1,4 @@
-//! The number types of PLY.
+//! The scalar types of PLY.
 
 /// The type of a property, or of the count or the entries of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub(super) enum ScalarType {
     Float64,
 }
 
-/// The order of the bytes of a number.
+/// Byte order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ByteOrder {
     Little,
@@ -21,7 +21,7 @@ pub(super) enum ByteOrder {
 }
 
 impl ScalarType {
-    /// The type with this name; there are two sets of them.
+    /// The type with this name. Most types have two names.
     pub(super) fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Self::Int8,
@@ -36,7 +36,7 @@ impl ScalarType {
         })
     }
 
-    /// Whether there are only whole numbers.
+    /// Whether this is an integer type.
     pub(super) fn is_integer(self) -> bool {
         !matches!(self, Self::Float32 | Self::Float64)
     }
@@ -52,7 +52,7 @@ impl ScalarType {
         }
     }
 
-    /// The number at the start of `bytes`, to single precision. `None` where they are too few.
+    /// The number at the start of `bytes`, in single precision. `None` if there are too few bytes.
     #[inline]
     pub(super) fn read_float(self, bytes: &[u8], order: ByteOrder) -> Option<f32> {
         match self {
@@ -64,8 +64,8 @@ impl ScalarType {
         }
     }
 
-    /// The whole number at the start of `bytes`. `None` where they are too few or the type is not
-    /// one of whole numbers.
+    /// The integer at the start of `bytes`. `None` if there are too few bytes or this is not an
+    /// integer type.
     #[inline]
     pub(super) fn read_integer(self, bytes: &[u8], order: ByteOrder) -> Option<i64> {
         match self {
@@ -88,7 +88,7 @@ impl ScalarType {
     }
 }
 
-/// The first `N` bytes, made a number.
+/// Converts the first `N` bytes to a number.
 #[inline]
 fn take<const N: usize, T>(
     bytes: &[u8],

@@ -1,4 +1,4 @@
-//! The data of a PLY file as a sequence of numbers, whatever its encoding.
+//! The data of a PLY file as a sequence of numbers, independent of the encoding.
 
 use super::header::{Element, Property};
 use super::scalar::{ByteOrder, ScalarType};
@@ -7,40 +7,40 @@ use crate::text::TextCursor;
 
 /// A sequence of numbers.
 pub(super) trait Source {
-    /// The next number, to single precision.
+    /// The next number, in single precision.
     fn number(&mut self, kind: ScalarType) -> Result<f32, MeshError>;
 
-    /// The next number, which must be whole.
+    /// The next number, which must be an integer.
     fn integer(&mut self, kind: ScalarType) -> Result<i64, MeshError>;
 
-    /// Moves over so many numbers.
+    /// Skips `count` numbers.
     fn skip_numbers(&mut self, kind: ScalarType, count: usize) -> Result<(), MeshError>;
 
-    /// The least space that a number takes, in bytes.
-    fn least_size(kind: ScalarType) -> usize;
+    /// The minimum size of a number in bytes.
+    fn min_size(kind: ScalarType) -> usize;
 
-    /// How many bytes are left.
+    /// The number of remaining bytes.
     fn bytes_left(&self) -> usize;
 
-    /// All rows of an element without lists at once, in an encoding that allows for it.
+    /// Consumes all rows of an element without lists at once, if the encoding allows it.
     fn take_rows(&mut self, element: &Element) -> Option<(&[u8], ByteOrder)>;
 
-    /// An error at this place.
+    /// An error at the current position.
     fn error(&self, kind: MeshErrorKind, message: String) -> MeshError;
 
-    /// Refuses an element that announces more rows than the rest of the file can hold.
+    /// Rejects an element that announces more rows than the rest of the file can hold.
     fn check_room(&self, element: &Element) -> Result<(), MeshError> {
-        let least = |property: &Property| {
-            Self::least_size(property.list_count.unwrap_or(property.value)) as u128
+        let min_size = |property: &Property| {
+            Self::min_size(property.list_count.unwrap_or(property.value)) as u128
         };
-        let row_size: u128 = element.properties.iter().map(least).sum();
+        let row_size: u128 = element.properties.iter().map(min_size).sum();
         if u128::from(element.row_count) * row_size <= self.bytes_left() as u128 {
             return Ok(());
         }
         Err(self.error(
             MeshErrorKind::Truncated,
             format!(
-                "{} rows of element `{}` are announced, but only {} bytes are left",
+                "the header announces {} rows of element `{}`, but only {} bytes are left",
                 element.row_count,
                 element.name.escape_debug(),
                 self.bytes_left()
@@ -48,13 +48,13 @@ pub(super) trait Source {
         ))
     }
 
-    /// The number of entries of the list that starts here.
+    /// The length of the list that starts here.
     fn list_length(&mut self, property: &Property, count: ScalarType) -> Result<usize, MeshError> {
         let written = self.integer(count)?;
         let length = usize::try_from(written).map_err(|_| {
             self.error(MeshErrorKind::Syntax, format!("a list cannot have {written} entries"))
         })?;
-        if length.saturating_mul(Self::least_size(property.value)) <= self.bytes_left() {
+        if length.saturating_mul(Self::min_size(property.value)) <= self.bytes_left() {
             return Ok(length);
         }
         Err(self.error(
@@ -63,13 +63,13 @@ pub(super) trait Source {
         ))
     }
 
-    /// Moves over a list.
+    /// Skips a list.
     fn skip_list(&mut self, property: &Property, count: ScalarType) -> Result<(), MeshError> {
         let length = self.list_length(property, count)?;
         self.skip_numbers(property.value, length)
     }
 
-    /// Moves over all rows of an element.
+    /// Skips all rows of an element.
     fn skip(&mut self, element: &Element) -> Result<(), MeshError> {
         if element.properties.is_empty() || self.take_rows(element).is_some() {
             return Ok(());
@@ -86,16 +86,16 @@ pub(super) trait Source {
     }
 }
 
-/// Numbers in binary.
+/// Binary numbers.
 pub(super) struct BinarySource<'a> {
     left: &'a [u8],
-    /// The offset in the file at which `left` ends.
+    /// The offset in the file where `left` ends.
     end: usize,
     order: ByteOrder,
 }
 
 impl<'a> BinarySource<'a> {
-    /// The numbers of `body`, which starts at `offset` in its file.
+    /// The numbers in `body`, which starts at `offset` in its file.
     pub(super) fn new(body: &'a [u8], offset: usize, order: ByteOrder) -> Self {
         Self { left: body, end: offset + body.len(), order }
     }
@@ -128,7 +128,7 @@ impl Source for BinarySource<'_> {
         Ok(())
     }
 
-    fn least_size(kind: ScalarType) -> usize {
+    fn min_size(kind: ScalarType) -> usize {
         kind.size()
     }
 
@@ -141,7 +141,7 @@ impl Source for BinarySource<'_> {
             return None;
         }
         let row_count = usize::try_from(element.row_count).ok()?;
-        let size = row_count.checked_mul(element.least_row_size())?;
+        let size = row_count.checked_mul(element.min_row_size())?;
         let (rows, left) = self.left.split_at_checked(size)?;
         self.left = left;
         Some((rows, self.order))
@@ -153,7 +153,7 @@ impl Source for BinarySource<'_> {
     }
 }
 
-/// Numbers in text, between blanks and line ends. Where lines end does not matter.
+/// Numbers in text, separated by blanks or line ends, which are equivalent.
 pub(super) struct AsciiSource<'a> {
     cursor: TextCursor<'a>,
 }
@@ -191,10 +191,10 @@ impl Source for AsciiSource<'_> {
     #[inline]
     fn integer(&mut self, _: ScalarType) -> Result<i64, MeshError> {
         self.skip_to_number()?;
-        let value = self.cursor.integer("a whole number")?;
+        let value = self.cursor.integer("an integer")?;
         match self.cursor.peek() {
             None | Some(b' ' | b'\t' | b'\n' | b'\r') => Ok(value),
-            Some(_) => Err(self.cursor.expected("a blank after a whole number")),
+            Some(_) => Err(self.cursor.expected("a blank after an integer")),
         }
     }
 
@@ -206,7 +206,7 @@ impl Source for AsciiSource<'_> {
         Ok(())
     }
 
-    fn least_size(_: ScalarType) -> usize {
+    fn min_size(_: ScalarType) -> usize {
         1
     }
 

@@ -8,10 +8,10 @@ use crate::error::{MeshError, MeshErrorKind};
 use crate::triangle_mesh::{AttributeDomain, TriangleMesh};
 use glam::{Vec2, Vec3};
 
-/// What texture coordinates are called.
+/// The names of texture coordinates.
 const UV_NAMES: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
 
-/// Which properties of a row go where.
+/// The roles of the properties.
 struct Layout {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
@@ -39,7 +39,7 @@ fn find_all<const N: usize>(element: &Element, names: [&str; N]) -> Option<[usiz
     Some(places)
 }
 
-/// Reads all rows of `element`, whose number was checked against the size of the file, into `mesh`.
+/// Reads all rows of `element`, whose number has been checked against the size of the file.
 pub(super) fn read_vertices(
     element: &Element,
     source: &mut impl Source,
@@ -60,14 +60,14 @@ pub(super) fn read_vertices(
     Ok(())
 }
 
-/// Rows of equal size in binary.
+/// Binary rows of equal size.
 #[derive(Clone, Copy)]
 struct Rows<'a> {
     bytes: &'a [u8],
     order: ByteOrder,
 }
 
-/// Decodes one column after the other, so that each loop does the same thing over and over.
+/// Decodes one column after another, so that each loop is uniform.
 fn decode_rows(element: &Element, rows: Rows<'_>, layout: &mut Layout, mesh: &mut TriangleMesh) {
     let mut offset = 0;
     let mut offsets = Vec::with_capacity(element.properties.len());
@@ -78,7 +78,7 @@ fn decode_rows(element: &Element, rows: Rows<'_>, layout: &mut Layout, mesh: &mu
     let row_size = offset;
     let value = |row: &[u8], property: usize| {
         let kind = element.properties[property].value;
-        // Every property lies within its row.
+        // Every property is within its row.
         row.get(offsets[property]..)
             .and_then(|bytes| kind.read_float(bytes, rows.order))
             .unwrap_or_default()

@@ -2,13 +2,13 @@
 
 use crate::triangle_mesh::{Attribute, AttributeDomain, TriangleMesh};
 
-/// The mesh as a binary little-endian PLY file. Attributes are written as Mitsuba 3 writes them:
-/// the channels of `vertex_foo` are the properties `foo_0`, `foo_1`, … of the vertices. The name of
-/// the mesh is left out: PLY has no place for it.
+/// Writes the mesh as a binary little-endian PLY file. Attributes are written as by Mitsuba 3: the
+/// channels of `vertex_foo` are the properties `foo_0`, `foo_1`, … of the vertices. The name of the
+/// mesh is dropped, because PLY has no place for it.
 ///
 /// # Panics
 ///
-/// Where the mesh is not valid.
+/// If the mesh is not valid.
 #[must_use]
 pub fn write_ply(mesh: &TriangleMesh) -> Vec<u8> {
     let mut bytes = header(mesh).into_bytes();

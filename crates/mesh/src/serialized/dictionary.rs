@@ -1,17 +1,17 @@
-//! Where the shapes of a serialized file are.
+//! The dictionary of a serialized file: the offsets of its shapes.
 
 use crate::error::{MeshError, MeshErrorKind};
 
-/// What every shape starts with.
+/// The identifier at the start of every shape.
 const IDENTIFIER: u16 = 0x041C;
 
 /// The size of the identifier and the version.
 const SHAPE_HEADER_SIZE: usize = 4;
 
-/// The size of the number of shapes, with which a file ends.
+/// The size of the number of shapes at the end of a file.
 const COUNT_SIZE: usize = 4;
 
-/// The versions that are read.
+/// The supported versions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Version {
     /// Offsets have 32 bits; shapes have no names.
@@ -29,13 +29,13 @@ impl Version {
     }
 }
 
-/// A shape that is still compressed.
+/// A compressed shape.
 #[derive(Debug)]
 pub(super) struct Shape<'a> {
     pub(super) version: Version,
-    /// The zlib stream; other shapes may come after it.
+    /// The zlib stream; other shapes may follow.
     pub(super) compressed: &'a [u8],
-    /// Where the stream starts in the file.
+    /// The offset of the stream in the file.
     pub(super) offset: usize,
 }
 
@@ -48,7 +48,8 @@ pub(super) struct Dictionary<'a> {
 }
 
 impl<'a> Dictionary<'a> {
-    /// The dictionary at the end of a file. The version of the first shape says how wide it is.
+    /// The dictionary at the end of a file. The version of the first shape determines the size of
+    /// its entries.
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, MeshError> {
         let version = read_shape_header(bytes, 0)?;
         let truncated = || {
@@ -68,7 +69,7 @@ impl<'a> Dictionary<'a> {
         }
     }
 
-    /// How many shapes there are.
+    /// The number of shapes.
     pub(super) fn shape_count(&self) -> u32 {
         // The count was read from 32 bits.
         (self.offsets.len() / self.version.offset_size()) as u32
@@ -86,7 +87,7 @@ impl<'a> Dictionary<'a> {
         let Some(start) = start else {
             return Err(MeshError::new(
                 MeshErrorKind::OutOfRange,
-                format!("shape {index} is said to start at byte {offset}, outside of the shapes"),
+                format!("shape {index} starts at byte {offset}, which is outside the shapes"),
             ));
         };
         let version = read_shape_header(self.shapes, start)?;
@@ -128,7 +129,7 @@ fn read_shape_header(bytes: &[u8], start: usize) -> Result<Version, MeshError> {
         4 => Ok(Version::Four),
         other => error(
             MeshErrorKind::Unsupported,
-            format!("version {other} of the serialized format is not read, only 3 and 4"),
+            format!("version {other} of the serialized format is not supported, only 3 and 4"),
         ),
     }
 }

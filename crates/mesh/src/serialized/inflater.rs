@@ -1,20 +1,19 @@
-//! The numbers in the zlib stream of a shape.
+//! Reads numbers from the zlib stream of a shape.
 
 use crate::error::{MeshError, MeshErrorKind};
 use flate2::bufread::ZlibDecoder;
 use std::io::{BufReader, ErrorKind, Read};
 
-/// Bytes that are inflated at a time.
+/// The number of bytes inflated at a time.
 const CHUNK_SIZE: usize = 1 << 16;
 
-/// Deflate never makes more bytes than this of one: a match of 258 bytes takes two bits at least.
-const HIGHEST_RATIO: u128 = 1032;
+/// The maximum expansion by Deflate: a match of 258 bytes takes at least two bits.
+const MAX_RATIO: u128 = 1032;
 
-/// Longer names are taken for damage.
-const LONGEST_NAME: usize = 1 << 16;
+/// Longer names are considered corrupt.
+const MAX_NAME_LENGTH: usize = 1 << 16;
 
-/// Inflates a stream piece by piece. Memory grows with what really comes out, never with what is
-/// announced.
+/// Inflates a stream in pieces. Memory grows with the actual output, never with announced counts.
 pub(super) struct Inflater<'a> {
     reader: BufReader<ZlibDecoder<&'a [u8]>>,
     compressed_size: usize,
@@ -22,22 +21,22 @@ pub(super) struct Inflater<'a> {
 }
 
 impl<'a> Inflater<'a> {
-    /// The stream at the start of `compressed`, which is at `offset` in its file.
+    /// The stream at the start of `compressed`, at `offset` in its file.
     pub(super) fn new(compressed: &'a [u8], offset: usize) -> Self {
         let decoder = ZlibDecoder::new(compressed);
         let reader = BufReader::with_capacity(CHUNK_SIZE, decoder);
         Self { reader, compressed_size: compressed.len(), offset }
     }
 
-    /// Refuses to expect more bytes than the stream can possibly hold.
+    /// Rejects a size that the stream cannot possibly hold.
     pub(super) fn check_room(&self, size: u128) -> Result<(), MeshError> {
-        if size <= self.compressed_size as u128 * HIGHEST_RATIO {
+        if size <= self.compressed_size as u128 * MAX_RATIO {
             return Ok(());
         }
         Err(self.error(
             MeshErrorKind::Truncated,
             format!(
-                "the shape announces {size} bytes, which {} compressed ones cannot hold",
+                "the shape announces {size} bytes, which {} compressed bytes cannot hold",
                 self.compressed_size
             ),
         ))
@@ -55,7 +54,7 @@ impl<'a> Inflater<'a> {
         Ok(u64::from_le_bytes(bytes))
     }
 
-    /// A text that ends in a zero.
+    /// A zero-terminated string.
     pub(super) fn name(&mut self) -> Result<String, MeshError> {
         let mut name = Vec::new();
         loop {
@@ -64,17 +63,17 @@ impl<'a> Inflater<'a> {
             if byte == [0] {
                 return Ok(String::from_utf8_lossy(&name).into_owned());
             }
-            if name.len() == LONGEST_NAME {
+            if name.len() == MAX_NAME_LENGTH {
                 return Err(self.error(
                     MeshErrorKind::Limit,
-                    format!("the name of the shape is longer than {LONGEST_NAME} bytes"),
+                    format!("the name of the shape is longer than {MAX_NAME_LENGTH} bytes"),
                 ));
             }
             name.extend(byte);
         }
     }
 
-    /// So many rows of `COUNT` numbers of `SIZE` bytes.
+    /// Reads rows of `COUNT` numbers of `SIZE` bytes each.
     pub(super) fn array<T, const SIZE: usize, const COUNT: usize>(
         &mut self,
         row_count: u64,
@@ -89,7 +88,7 @@ impl<'a> Inflater<'a> {
             let bytes = &mut chunk[..now * SIZE * COUNT];
             self.fill(bytes)?;
             if rows.len() + now > rows.capacity() {
-                // Twice as much as before, but no more than will be needed.
+                // Doubles the capacity, up to what will be needed.
                 let needed = usize::try_from(left).unwrap_or(usize::MAX);
                 rows.reserve_exact(needed.min(now.max(rows.len())));
             }
@@ -100,11 +99,11 @@ impl<'a> Inflater<'a> {
         Ok(rows)
     }
 
-    /// Compares the checksum, if the stream ends here. Whatever else comes is left alone.
+    /// Verifies the checksum, if the stream ends here. Any further data is ignored.
     pub(super) fn check_sum(&mut self) -> Result<(), MeshError> {
-        // The decoder finds the end, and the checksum behind it, when asked for a further byte.
+        // The decoder verifies the checksum when a read reaches the end of the stream.
         let further = self.reader.read(&mut [0]);
-        further.map(|_| ()).map_err(|error| self.damaged(&error))
+        further.map(|_| ()).map_err(|error| self.corrupt(&error))
     }
 
     fn fill(&mut self, bytes: &mut [u8]) -> Result<(), MeshError> {
@@ -112,12 +111,12 @@ impl<'a> Inflater<'a> {
             ErrorKind::UnexpectedEof => {
                 self.error(MeshErrorKind::Truncated, "the shape ends early".to_owned())
             }
-            _ => self.damaged(&error),
+            _ => self.corrupt(&error),
         })
     }
 
-    fn damaged(&self, error: &std::io::Error) -> MeshError {
-        let message = format!("the compressed data of the shape is damaged ({error})");
+    fn corrupt(&self, error: &std::io::Error) -> MeshError {
+        let message = format!("the compressed data of the shape is corrupt ({error})");
         self.error(MeshErrorKind::Syntax, message)
     }
 
