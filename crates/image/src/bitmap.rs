@@ -1,13 +1,13 @@
-//! Interleaved samples as a file held them.
+//! Interleaved samples in the precision of a file.
 
 use half::f16;
 
 use crate::ColorImage;
 use crate::srgb::{srgb_to_linear, srgb_u8_to_linear};
 
-/// The samples of a [`Bitmap`] in the precision of the file that they came from.
+/// The samples of a [`Bitmap`], in the precision of the file.
 ///
-/// Integers mean a fraction of their largest value: 255 and 65535 stand for one.
+/// Integers are fractions of their maximum: 255 and 65535 stand for one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Samples {
     /// Eight bits.
@@ -21,7 +21,7 @@ pub enum Samples {
 }
 
 impl Samples {
-    /// How many samples there are.
+    /// The number of samples.
     pub fn len(&self) -> usize {
         match self {
             Self::U8(values) => values.len(),
@@ -31,25 +31,25 @@ impl Samples {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// An image as its file held it: interleaved samples, the top row first.
+/// An image as stored in its file: interleaved samples, the top row first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bitmap {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
+    /// 1 for grey, 2 for grey and alpha, 3 for RGB, 4 for RGB and alpha.
     pub channels: u32,
-    /// `width × height × channels` samples; the channels of a pixel lie side by side, row 0 is at
-    /// the top.
+    /// `width × height × channels` samples. The channels of a pixel are adjacent; row 0 is at the
+    /// top.
     pub samples: Samples,
-    /// Whether colour and grey are sRGB encoded (alpha never is). So in files with 8 or 16 bits;
+    /// Whether colour and grey are sRGB encoded (alpha never is). True for files with 8 or 16 bits;
     /// floating-point files are linear.
     pub srgb: bool,
 }
@@ -60,14 +60,14 @@ impl Bitmap {
         self.channels == 2 || self.channels == 4
     }
 
-    /// All samples as linear floats: integers scaled to [0, 1], and sRGB decoded where
-    /// [`srgb`](Self::srgb) says so.
+    /// All samples as linear floats: integers are scaled to [0, 1], and sRGB is decoded if
+    /// [`srgb`](Self::srgb) is set.
     pub fn to_linear(&self) -> Vec<f32> {
         if self.srgb { self.decoded() } else { self.to_raw() }
     }
 
-    /// All samples as floats, integers scaled to [0, 1], with no regard to their encoding: for
-    /// data such as normals and roughness.
+    /// All samples as floats without decoding; integers are scaled to [0, 1]. For data such as
+    /// normals and roughness.
     pub fn to_raw(&self) -> Vec<f32> {
         match &self.samples {
             Samples::U8(values) => values.iter().map(|&v| f32::from(v) / 255.0).collect(),
@@ -77,7 +77,7 @@ impl Bitmap {
         }
     }
 
-    /// Linear RGB triples. Grey is repeated, alpha is left out.
+    /// Linear RGB triples. Grey is repeated, alpha is dropped.
     pub fn to_color_image(&self) -> ColorImage {
         let linear = self.to_linear();
         let color = if self.channels < 3 { [0, 0, 0] } else { [0, 1, 2] };
@@ -88,7 +88,7 @@ impl Bitmap {
         ColorImage { width: self.width, height: self.height, pixels }
     }
 
-    /// The samples with the sRGB encoding undone on every channel but alpha.
+    /// The samples with sRGB decoded in every channel but alpha.
     fn decoded(&self) -> Vec<f32> {
         let channels = self.channels.max(1) as usize;
         let is_alpha = |index: usize| self.has_alpha() && index % channels == channels - 1;
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn precisions_agree_about_the_same_color() {
+    fn precisions_agree_on_the_same_color() {
         let of = |samples| Bitmap { width: 1, height: 1, channels: 3, samples, srgb: true };
         let eight = of(Samples::U8(vec![0, 51, 255])).to_linear();
         let sixteen = of(Samples::U16(vec![0, 51 * 257, 65535])).to_linear();

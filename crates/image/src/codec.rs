@@ -1,89 +1,33 @@
-//! Reading and writing image files as bytes.
+//! Image files as bytes: decoding and encoding.
 
 mod common;
 mod display;
 mod exr_part;
 mod exr_read;
 mod exr_write;
+mod options;
 mod pfm;
 
+pub use options::{BitDepth, EncodeOptions, ExrCompression, ExrPrecision};
+
 use crate::format::{SourceFormat, recognize};
-use crate::{Bitmap, FileFormat, ImageError, Limits, Picture, ToneMap};
+use crate::{Bitmap, FileFormat, ImageError, Limits, Picture};
 
-/// How OpenEXR files are compressed. Both ways lose nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ExrCompression {
-    /// Not at all: fastest to write.
-    None,
-    /// Deflate over blocks of sixteen rows ("ZIP").
-    #[default]
-    Zip,
-}
-
-/// The number type of the channels in an OpenEXR file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ExrPrecision {
-    /// 16-bit floats. Finite values beyond ±65504 become ±65504.
-    Half,
-    /// 32-bit floats.
-    #[default]
-    Float,
-}
-
-/// Bits per sample in formats that offer a choice (PNG, TIFF).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BitDepth {
-    /// 8 bits per sample.
-    #[default]
-    Eight,
-    /// 16 bits per sample.
-    Sixteen,
-}
-
-/// How [`encode`] writes a picture. Every format reads the fields that concern it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EncodeOptions {
-    /// OpenEXR: how the file is compressed.
-    pub exr_compression: ExrCompression,
-    /// OpenEXR: the number type of the channels.
-    pub exr_precision: ExrPrecision,
-    /// JPEG: from 1 (small) to 100 (good).
-    pub jpeg_quality: u8,
-    /// PNG and TIFF: bits per sample.
-    pub bit_depth: BitDepth,
-    /// Formats with 8 or 16 bits: how the range of values is compressed, after exposure.
-    pub tone_map: ToneMap,
-    /// Formats with 8 or 16 bits: exposure in stops; one more doubles all values.
-    pub exposure: f32,
-}
-
-impl Default for EncodeOptions {
-    fn default() -> Self {
-        Self {
-            exr_compression: ExrCompression::default(),
-            exr_precision: ExrPrecision::default(),
-            jpeg_quality: 95,
-            bit_depth: BitDepth::default(),
-            tone_map: ToneMap::None,
-            exposure: 0.0,
-        }
-    }
-}
-
-/// Reads a PNG, JPEG, BMP, TGA, Radiance HDR, OpenEXR, PFM or TIFF file within the default
+/// Decodes a PNG, JPEG, BMP, TGA, Radiance HDR, OpenEXR, PFM or TIFF file within the default
 /// [`Limits`].
 ///
-/// The content decides what it is; `file_name_hint` is for TGA, which may have nothing to be known
-/// by. Of an OpenEXR file this reads the [main layer](Picture::main_layer) of the first part, over
-/// its data window.
+/// The content determines the format. `file_name_hint` is only for TGA, which may have no signature.
+/// For OpenEXR, this reads the [main layer](Picture::main_layer) of the first part over its data
+/// window.
 ///
 /// # Errors
-/// [`ImageError`]: unknown format, broken or unsupported file, or too large an image.
+/// [`ImageError`] for an unknown format, a malformed or unsupported file, or an image that is too
+/// large.
 pub fn decode(bytes: &[u8], file_name_hint: &str) -> Result<Bitmap, ImageError> {
     decode_with_limits(bytes, file_name_hint, &Limits::default())
 }
 
-/// [`decode`] within limits of one's own.
+/// [`decode`] with custom limits.
 ///
 /// # Errors
 /// As [`decode`].
@@ -100,16 +44,17 @@ pub fn decode_with_limits(
     }
 }
 
-/// Reads all channels and all metadata of an OpenEXR file's first part, within the default
-/// [`Limits`]. Integer channels become floats, exact up to 2²⁴.
+/// Decodes all channels and all metadata of the first part of an OpenEXR file, within the default
+/// [`Limits`]. Integer channels become floats, which is exact up to 2²⁴.
 ///
 /// # Errors
-/// [`ImageError`]: not an OpenEXR file, a broken one, deep data, subsampled channels, or too large.
+/// [`ImageError`] for another format, a malformed file, deep data, subsampled channels, or an image
+/// that is too large.
 pub fn decode_exr_layers(bytes: &[u8]) -> Result<Picture, ImageError> {
     decode_exr_layers_with_limits(bytes, &Limits::default())
 }
 
-/// [`decode_exr_layers`] within limits of one's own.
+/// [`decode_exr_layers`] with custom limits.
 ///
 /// # Errors
 /// As [`decode_exr_layers`].
@@ -117,8 +62,8 @@ pub fn decode_exr_layers_with_limits(bytes: &[u8], limits: &Limits) -> Result<Pi
     exr_read::decode_picture(bytes, limits)
 }
 
-/// Reads any format as a [`Picture`] of linear channels: all of them from OpenEXR, otherwise `R`,
-/// `G`, `B` or `Y`, and `A`.
+/// Decodes any format to a [`Picture`] of linear channels: all channels of an OpenEXR file, or `R`,
+/// `G`, `B` or `Y`, and `A`, of the others.
 ///
 /// # Errors
 /// As [`decode`].
@@ -142,15 +87,15 @@ pub fn decode_picture(bytes: &[u8], file_name_hint: &str) -> Result<Picture, Ima
     Ok(picture)
 }
 
-/// Writes a picture as a file of this format.
+/// Encodes a picture in a file format.
 ///
-/// OpenEXR keeps every channel and all metadata. Other formats keep the
-/// [main layer](Picture::main_layer): PFM and HDR as linear values, the rest after
-/// [exposure](EncodeOptions::exposure) and [tone mapping](EncodeOptions::tone_map), sRGB encoded.
-/// Alpha is kept by PNG and TIFF, which want colours that are not premultiplied: they are divided
-/// by it. There, NaN becomes zero.
+/// OpenEXR keeps all channels and metadata. The other formats keep the
+/// [main layer](Picture::main_layer): PFM and HDR as linear values, the rest sRGB encoded after
+/// [exposure](EncodeOptions::exposure) and [tone mapping](EncodeOptions::tone_map). PNG and TIFF
+/// keep alpha. Their colours are not premultiplied, so colours are divided by alpha. NaN becomes
+/// zero in these formats.
 ///
-/// The bytes depend on the arguments alone: the same picture gives the same file.
+/// The bytes depend only on the arguments: the same picture gives the same file.
 ///
 /// # Errors
 /// [`ImageError::InvalidPicture`] if the picture is not [valid](Picture::validate) or does not fit

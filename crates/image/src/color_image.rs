@@ -1,4 +1,4 @@
-//! Linear RGB triples: what metrics and tone mapping work on.
+//! Linear RGB triples: the input of metrics and tone mapping.
 
 use crate::{ImageError, ToneMap, exposure_scale};
 
@@ -14,7 +14,7 @@ pub struct ColorImage {
 }
 
 impl ColorImage {
-    /// The image as a display shows it, linear still: exposed by some stops, tone mapped, and
+    /// The image as a display shows it, but still linear: exposed by some stops, tone mapped, and
     /// clamped to [0, 1]. For [`flip`](crate::metrics::flip).
     pub fn to_display(&self, tone_map: ToneMap, exposure: f32) -> Self {
         let scale = exposure_scale(exposure);
@@ -25,7 +25,7 @@ impl ColorImage {
         Self { width: self.width, height: self.height, pixels }
     }
 
-    /// Checks that this image and its reference have the same size and as many pixels as they say.
+    /// Checks that both images have the same size and the right number of pixels.
     ///
     /// # Errors
     /// [`ImageError::SizeMismatch`] or [`ImageError::InvalidPicture`].
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn displays_expose_before_they_clamp() {
+    fn exposure_is_applied_before_clamping() {
         let image = ColorImage { width: 1, height: 1, pixels: vec![[0.25, 0.75, -1.0]] };
         assert_eq!(image.to_display(ToneMap::None, 1.0).pixels, vec![[0.5, 1.0, 0.0]]);
         let mapped = image.to_display(ToneMap::Agx, 1.0).pixels[0];

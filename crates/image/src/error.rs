@@ -1,45 +1,45 @@
-//! What can go wrong with an image, by whose fault it is.
+//! Image errors.
 
 use std::fmt;
 
-/// Why an image could not be read, written or compared.
+/// Why an image cannot be read, written or compared.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// Neither the content nor the extension of the name belongs to a format that is read here.
+    /// Neither the content nor the extension belongs to a supported format.
     UnknownFormat {
-        /// The name that came with the bytes.
+        /// The name that was given with the bytes.
         name: String,
     },
-    /// The bytes break the rules of their format, or end too early.
+    /// The bytes violate their format, or end too early.
     Malformed {
-        /// The format's name, such as `"PNG"`.
+        /// The name of the format, such as `"PNG"`.
         format: &'static str,
-        /// What is wrong.
+        /// The defect.
         message: String,
     },
-    /// The file may be sound, but uses a part of its format that is not supported.
+    /// The file uses a feature of its format that is not supported.
     Unsupported {
-        /// The format's name, such as `"OpenEXR"`.
+        /// The name of the format, such as `"OpenEXR"`.
         format: &'static str,
-        /// Which part.
+        /// The feature.
         message: String,
     },
-    /// The image asks for more than the [`Limits`](crate::Limits) allow.
+    /// The image exceeds the [`Limits`](crate::Limits).
     TooLarge {
-        /// What there is too much of, such as `"samples"`.
+        /// The limited quantity, such as `"samples"`.
         what: &'static str,
-        /// How much the image asks for.
+        /// The amount that the image needs.
         requested: u64,
-        /// How much is allowed.
+        /// The maximum amount.
         allowed: u64,
     },
-    /// The picture to be written contradicts itself, or does not fit the chosen format.
+    /// The picture to be written is inconsistent, or does not fit the format.
     InvalidPicture {
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
-    /// Two images that are compared differ in size.
+    /// Two images to be compared differ in size.
     SizeMismatch {
         /// Width and height of the image, in pixels.
         image: (u32, u32),
@@ -49,12 +49,12 @@ pub enum ImageError {
 }
 
 impl ImageError {
-    /// A broken file of `format`.
+    /// A malformed file of `format`.
     pub(crate) fn malformed(format: &'static str, message: impl Into<String>) -> Self {
         Self::Malformed { format, message: message.into() }
     }
 
-    /// A part of `format` that is not supported.
+    /// An unsupported feature of `format`.
     pub(crate) fn unsupported(format: &'static str, message: impl Into<String>) -> Self {
         Self::Unsupported { format, message: message.into() }
     }
@@ -69,17 +69,17 @@ impl fmt::Display for ImageError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownFormat { name } => {
-                write!(formatter, "`{name}` is in none of the picture formats known here")
+                write!(formatter, "`{name}` is in none of the picture formats that are supported")
             }
             Self::Malformed { format, message } => write!(formatter, "broken {format}: {message}"),
             Self::Unsupported { format, message } => {
                 write!(formatter, "unsupported {format}: {message}")
             }
             Self::TooLarge { what, requested, allowed } => {
-                write!(formatter, "image too large: {requested} {what}, allowed are {allowed}")
+                write!(formatter, "image too large: {requested} {what}, the limit is {allowed}")
             }
             Self::InvalidPicture { message } => {
-                write!(formatter, "picture cannot be written: {message}")
+                write!(formatter, "the picture cannot be written: {message}")
             }
             Self::SizeMismatch { image, reference } => write!(
                 formatter,

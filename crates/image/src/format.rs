@@ -1,6 +1,6 @@
-//! File formats: by extension, and by the first bytes of a file.
+//! File formats, recognised by extension or by the first bytes of a file.
 
-/// A format that pictures can be written in.
+/// A file format that can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FileFormat {
     /// OpenEXR: all channels and all metadata, linear.
@@ -9,7 +9,7 @@ pub enum FileFormat {
     Png,
     /// JPEG: the main layer, tone mapped and sRGB encoded, 8 bits, lossy.
     Jpeg,
-    /// Radiance HDR: the main layer, linear, a shared exponent per pixel.
+    /// Radiance HDR: the main layer, linear, with a shared exponent per pixel.
     Hdr,
     /// Portable float map: the main layer, linear.
     Pfm,
@@ -19,7 +19,7 @@ pub enum FileFormat {
     Tiff,
 }
 
-/// Every writable format with its extensions, the usual one first.
+/// Every writable format with its extensions, the most common one first.
 const EXTENSIONS: [(FileFormat, &[&str]); 7] = [
     (FileFormat::Exr, &["exr"]),
     (FileFormat::Png, &["png"]),
@@ -31,44 +31,44 @@ const EXTENSIONS: [(FileFormat, &[&str]); 7] = [
 ];
 
 impl FileFormat {
-    /// The format that files with this extension (without its dot, in any case) are written in.
+    /// The format with this extension (without the dot, in any case).
     pub fn from_extension(extension: &str) -> Option<Self> {
         let matches = |known: &&str| known.eq_ignore_ascii_case(extension);
         let found = EXTENSIONS.iter().find(|(_, extensions)| extensions.iter().any(matches));
         found.map(|(format, _)| *format)
     }
 
-    /// This format's extensions without their dots, the usual one first.
+    /// The extensions of this format without the dot, the most common one first.
     pub fn extensions(self) -> &'static [&'static str] {
         let found = EXTENSIONS.iter().find(|(format, _)| *format == self);
         found.map_or(&[], |(_, extensions)| extensions)
     }
 
-    /// Every format that can be written.
+    /// All formats that can be written.
     pub fn all() -> impl Iterator<Item = Self> {
         EXTENSIONS.iter().map(|(format, _)| *format)
     }
 
-    /// Whether files of this format hold linear values without an upper bound, so that exposure
-    /// and tone mapping are left to whoever looks at them.
+    /// Whether files of this format hold unbounded linear values, which are exposed and tone mapped
+    /// only for viewing.
     pub fn is_linear(self) -> bool {
         matches!(self, Self::Exr | Self::Hdr | Self::Pfm)
     }
 }
 
-/// A format that can be read.
+/// A file format that can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SourceFormat {
     /// OpenEXR.
     Exr,
     /// Portable float map.
     Pfm,
-    /// One of those that the `image` crate reads; the text is for messages.
+    /// A format that the `image` crate reads; the text is its name in messages.
     Common(image::ImageFormat, &'static str),
 }
 
-/// Finds the format of `bytes`: by content, and by the name's extension for TGA files without a
-/// footer, which have nothing to be known by.
+/// Recognises the format of `bytes` by their content. TGA files without a footer have no signature;
+/// they are recognised by the extension of `name`.
 pub(crate) fn recognize(bytes: &[u8], name: &str) -> Option<SourceFormat> {
     use image::ImageFormat;
     let starts = |magic: &[u8]| bytes.starts_with(magic);
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_extension_leads_back_to_its_format() {
+    fn extensions_round_trip() {
         for format in FileFormat::all() {
             assert!(!format.extensions().is_empty());
             for extension in format.extensions() {
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn content_outranks_the_name() {
+    fn content_takes_precedence_over_the_name() {
         let png = b"\x89PNG\r\n\x1a\n";
         assert!(matches!(recognize(png, "a.tga"), Some(SourceFormat::Common(_, "PNG"))));
         assert!(matches!(recognize(b"??", "a.TGA"), Some(SourceFormat::Common(_, "TGA"))));

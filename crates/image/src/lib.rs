@@ -1,14 +1,14 @@
-//! Bitmaps, codecs from and to bytes, error metrics and tone mapping.
+//! Bitmaps, codecs, error metrics and tone mapping.
 //!
-//! Three forms of an image, by what is done with it:
+//! There are three forms of an image:
 //!
-//! - [`Bitmap`]: interleaved samples as a file held them; what textures are made of ([`decode`]).
-//! - [`Picture`]: planar `f32` channels under any names, with metadata; what a film writes
-//!   ([`encode`]) and what a comparison reads ([`decode_exr_layers`], [`decode_picture`]).
-//! - [`ColorImage`]: linear RGB triples; what [`metrics`] and tone mapping work on.
+//! - [`Bitmap`]: interleaved samples as stored in a file, for textures ([`decode`]).
+//! - [`Picture`]: named planar `f32` channels with metadata. Films are written from it
+//!   ([`encode`]), and comparisons read it ([`decode_exr_layers`], [`decode_picture`]).
+//! - [`ColorImage`]: linear RGB triples, for [`metrics`] and tone mapping.
 //!
-//! Bytes come in and bytes go out: nothing here opens a file. Every reader holds the sizes that a
-//! header claims against the bytes that are there, and against [`Limits`], before memory is taken.
+//! Bytes in, bytes out; this crate opens no files. Readers compare the sizes in a header with the
+//! size of the file and with [`Limits`] before they allocate.
 //!
 //! ```
 //! use etendue_image::{EncodeOptions, FileFormat, Picture, ToneMap, decode, encode};
@@ -29,7 +29,7 @@
 mod bitmap;
 mod codec;
 mod color_image;
-pub mod color_map;
+mod color_map;
 mod error;
 mod format;
 mod limits;

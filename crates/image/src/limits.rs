@@ -1,13 +1,13 @@
-//! How much memory a header may ask for.
+//! Limits on the memory that a header may request.
 
 use crate::ImageError;
 
-/// Bounds on what a decoder accepts. An image beyond them is an error before memory is taken.
+/// Limits of a decoder. Images beyond them are rejected before memory is allocated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Most samples, that is width × height × channels.
+    /// The maximum number of samples: width × height × channels.
     pub samples: u64,
-    /// Most bytes of memory that the decoded samples may take.
+    /// The maximum size of the decoded samples in bytes.
     pub bytes: u64,
 }
 
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_are_limited_apart_from_samples() {
+    fn bytes_and_samples_are_limited_separately() {
         let limits = Limits { samples: 100, bytes: 100 };
         assert_eq!(limits.check(10, 10, 1, 1), Ok(100));
         let error = limits.check(10, 10, 1, 2).unwrap_err();

@@ -1,69 +1,19 @@
-//! How far an image is from its reference.
+//! Error metrics: the difference of an image from its reference.
 //!
 //! All metrics take linear RGB. Those that average over pixels ([`mse`], [`relative_mse`],
-//! [`mean_difference`], [`flip`]) return a map with one value per pixel beside the mean. Pixels
-//! where either image is NaN or infinite say nothing about the rest: they are counted and left out
-//! of the mean, and are NaN in the map.
+//! [`mean_difference`], [`flip`]) also return a map with one value per pixel. Pixels where either
+//! image is NaN or infinite are counted and excluded from the mean, and are NaN in the map.
 
 mod blocks;
+mod error_map;
 mod flip;
 
 pub use blocks::{BlockReport, BlockThresholds, Estimate, block_test};
+pub use error_map::ErrorMap;
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 
-use crate::color_map::heat;
-use crate::{ColorImage, ImageError, Picture};
-
-/// One value per pixel, and their mean.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ErrorMap {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-    /// The error of each pixel, the top row first; NaN where it is not defined.
-    pub values: Vec<f32>,
-    /// The mean over all pixels where it is defined; NaN if there are none.
-    pub mean: f64,
-    /// How many pixels were left out because either image is NaN or infinite there.
-    pub non_finite: usize,
-}
-
-impl ErrorMap {
-    /// Sums up a map that holds NaN where the error is not defined.
-    fn new(image: &ColorImage, values: Vec<f32>) -> Self {
-        let defined = values.iter().filter(|value| !value.is_nan());
-        let (sum, count) = defined
-            .fold((0.0, 0_usize), |(sum, count), &value| (sum + f64::from(value), count + 1));
-        Self {
-            width: image.width,
-            height: image.height,
-            mean: sum / count as f64,
-            non_finite: values.len() - count,
-            values,
-        }
-    }
-
-    /// The map as a colour picture, [`heat`] from zero to `maximum`; white where it is not defined.
-    pub fn to_picture(&self, maximum: f32) -> Picture {
-        let color = |&value: &f32| if value.is_nan() { [1.0; 3] } else { heat(value / maximum) };
-        let pixels = self.values.iter().map(color).collect();
-        Picture::from_color_image(&ColorImage { width: self.width, height: self.height, pixels })
-    }
-
-    /// The value below which the given share of all defined values lies: a robust maximum for
-    /// [`to_picture`](Self::to_picture). Zero if none is defined.
-    pub fn quantile(&self, share: f32) -> f32 {
-        let mut defined: Vec<f32> = self.values.iter().copied().filter(|v| !v.is_nan()).collect();
-        if defined.is_empty() {
-            return 0.0;
-        }
-        let index = (share.clamp(0.0, 1.0) * (defined.len() - 1) as f32).round() as usize;
-        let index = index.min(defined.len() - 1);
-        *defined.select_nth_unstable_by(index, f32::total_cmp).1
-    }
-}
-
+use crate::{ColorImage, ImageError};
+use error_map::is_finite;
 /// Mean squared error: (x − r)², averaged over channels and pixels.
 ///
 /// # Errors
@@ -73,11 +23,11 @@ pub fn mse(image: &ColorImage, reference: &ColorImage) -> Result<ErrorMap, Image
 }
 
 /// The offset that keeps [`relative_mse`] finite where the reference is black.
-pub const RELATIVE_MSE_OFFSET: f32 = 0.01;
+const RELATIVE_MSE_OFFSET: f32 = 0.01;
 
-/// Relative mean squared error: (x − r)² / (r² + 0.01), averaged over channels and pixels.
+/// Relative mean squared error: (x − r)² / (r² + 0.01), averaged over channels and pixels
 /// (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error
-/// Minimization", 2011, section 6.)
+/// Minimization", 2011, section 6).
 ///
 /// # Errors
 /// [`ImageError`] if the sizes differ or there are no pixels.
@@ -87,19 +37,19 @@ pub fn relative_mse(image: &ColorImage, reference: &ColorImage) -> Result<ErrorM
     })
 }
 
-/// How much brighter an image is than its reference.
+/// The signed and absolute differences between an image and its reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeanDifference {
-    /// The mean of x − r per channel, over pixels that are finite in both.
+    /// The mean of x − r per channel, over pixels that are finite in both images.
     pub signed: [f64; 3],
-    /// [`signed`](Self::signed) over the mean of r, per channel. Infinite or NaN if that is zero.
+    /// [`signed`](Self::signed) divided by the mean of r per channel. Infinite or NaN if that is 0.
     pub relative: [f64; 3],
-    /// |x − r|, averaged over channels, with its mean over pixels.
+    /// |x − r| averaged over channels, per pixel and as a mean over pixels.
     pub absolute: ErrorMap,
 }
 
-/// The mean signed difference, which noise leaves near zero and a bias does not, and the mean
-/// absolute one.
+/// The mean signed difference, which is near zero for unbiased noise, and the mean absolute
+/// difference.
 ///
 /// # Errors
 /// [`ImageError`] if the sizes differ or there are no pixels.
@@ -127,7 +77,7 @@ pub fn mean_difference(
     })
 }
 
-/// Averages an error of (value, reference) over the channels of each pixel.
+/// Averages an error function of (value, reference) over the channels of each pixel.
 fn per_pixel(
     image: &ColorImage,
     reference: &ColorImage,
@@ -144,20 +94,17 @@ fn per_pixel(
     Ok(ErrorMap::new(image, values.collect()))
 }
 
-fn is_finite(pixel: &[f32; 3]) -> bool {
-    pixel.iter().all(|value| value.is_finite())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color_map::heat;
 
     fn image(pixels: &[[f32; 3]]) -> ColorImage {
         ColorImage { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() }
     }
 
     #[test]
-    fn closed_forms() {
+    fn simple_cases_have_the_expected_values() {
         let (a, r) = (image(&[[2.0, 1.0, 0.0], [0.5; 3]]), image(&[[1.0, 1.0, 0.0], [0.0; 3]]));
         let map = mse(&a, &r).unwrap();
         assert!((map.mean - (1.0 / 3.0 + 0.25) / 2.0).abs() < 1e-7);
@@ -171,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_without_a_value_are_counted_and_left_out() {
+    fn non_finite_pixels_are_counted_and_excluded() {
         let a = image(&[[f32::NAN, 0.0, 0.0], [2.0; 3], [1.0; 3]]);
         let r = image(&[[0.0; 3], [0.0; 3], [f32::INFINITY; 3]]);
         let map = mse(&a, &r).unwrap();

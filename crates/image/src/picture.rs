@@ -1,8 +1,8 @@
-//! Planar pictures with named channels and metadata: what films write and comparisons read.
+//! Planar pictures with named channels and metadata: films write and comparisons read them.
 
 use crate::{ColorImage, ImageError};
 
-/// A rectangle of pixels, as OpenEXR's display window.
+/// A rectangle of pixels, such as OpenEXR's display window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Window {
     /// Leftmost pixel.
@@ -28,7 +28,7 @@ pub struct Channel {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum MetadataValue {
-    /// Text; UTF-8.
+    /// UTF-8 text.
     Text(String),
     /// A signed 32-bit integer.
     Integer(i32),
@@ -48,41 +48,40 @@ pub enum MetadataValue {
     Chromaticities([f32; 8]),
 }
 
-/// A picture of any number of named channels, planar, with metadata.
+/// A planar picture with any number of named channels, and metadata.
 ///
-/// The channels cover the *data window*: the `width × height` pixels from
-/// [`data_origin`](Self::data_origin) on. The [`display_window`](Self::display_window) is the
-/// whole that it belongs to: larger if only a crop was rendered.
+/// The channels cover the *data window*: the `width × height` pixels starting at
+/// [`data_origin`](Self::data_origin). The [`display_window`](Self::display_window) is the whole
+/// picture. It is larger if only a crop was rendered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width of the data window in pixels.
     pub width: u32,
     /// Height of the data window in pixels.
     pub height: u32,
-    /// The channels; names must differ.
+    /// The channels, with distinct names.
     pub channels: Vec<Channel>,
-    /// Attributes by name; names must differ. Kept by OpenEXR only.
+    /// Attributes with distinct names. Only OpenEXR keeps them.
     pub metadata: Vec<(String, MetadataValue)>,
-    /// The data window's left top corner, in the coordinates of the display window.
+    /// The top left corner of the data window, in the coordinates of the display window.
     pub data_origin: [i32; 2],
-    /// The whole picture, of which the channels may be a part. Kept by OpenEXR only.
+    /// The whole picture, of which the channels may cover a part. Only OpenEXR keeps it.
     pub display_window: Window,
 }
 
-/// Which channels of a [`Picture`] are its picture proper: indices into
-/// [`Picture::channels`].
+/// The channels that show the picture itself, as indices into [`Picture::channels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MainLayer {
-    /// Red, green and blue; three times the same for grey.
+    /// Red, green and blue; the same channel three times for grey.
     pub color: [usize; 3],
-    /// Alpha, if there is one. Colours are premultiplied with it, as in OpenEXR.
+    /// Alpha, if any. Colours are premultiplied by it, as in OpenEXR.
     pub alpha: Option<usize>,
-    /// Whether the picture is grey.
+    /// Whether the picture is greyscale.
     pub is_grey: bool,
 }
 
 impl Picture {
-    /// A picture without channels whose data and display window are `width × height`.
+    /// A picture without channels, whose data and display windows are `width × height`.
     pub fn new(width: u32, height: u32) -> Self {
         Self {
             width,
@@ -108,23 +107,23 @@ impl Picture {
         self.channels.push(Channel { name: name.into(), data });
     }
 
-    /// The channel of this name.
+    /// The channel with this name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// The attribute of this name.
+    /// The attribute with this name.
     pub fn metadata(&self, name: &str) -> Option<&MetadataValue> {
         self.metadata.iter().find(|(key, _)| key == name).map(|(_, value)| value)
     }
 
-    /// The channels that are the picture proper: `R`, `G`, `B` with `A`, else `Y` with `A`, else
+    /// The channels that show the picture itself: `R`, `G`, `B` with `A`, else `Y` with `A`, else
     /// the first group such as `diffuse.R`, `diffuse.G`, `diffuse.B`, else the only channel.
     pub fn main_layer(&self) -> Option<MainLayer> {
         find_main_layer(&self.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>())
     }
 
-    /// The main layer as linear triples, without alpha.
+    /// The main layer as linear RGB triples, without alpha.
     ///
     /// # Errors
     /// [`ImageError::InvalidPicture`] if there is no main layer or the picture is not
@@ -138,10 +137,10 @@ impl Picture {
         Ok(ColorImage { width: self.width, height: self.height, pixels })
     }
 
-    /// Checks that every channel has `width × height` values and a name of its own.
+    /// Checks that every channel has `width × height` values, and that names are distinct.
     ///
     /// # Errors
-    /// [`ImageError::InvalidPicture`] that names the first offender.
+    /// [`ImageError::InvalidPicture`] with the first problem.
     pub fn validate(&self) -> Result<(), ImageError> {
         let expected = self.width as usize * self.height as usize;
         if expected == 0 {
@@ -160,7 +159,7 @@ impl Picture {
         require_distinct("attribute", self.metadata.iter().map(|(name, _)| name.as_str()))
     }
 
-    /// The main layer, or an error that lists the channels there are.
+    /// The main layer, or an error that lists the channels.
     pub(crate) fn require_main_layer(&self) -> Result<MainLayer, ImageError> {
         self.main_layer().ok_or_else(|| {
             let names: Vec<_> = self.channels.iter().map(|c| c.name.as_str()).collect();
@@ -172,7 +171,7 @@ impl Picture {
     }
 }
 
-/// Fails on the first name that occurs twice.
+/// Returns an error for the first name that occurs twice.
 fn require_distinct<'a>(
     what: &str,
     names: impl Iterator<Item = &'a str>,
@@ -186,7 +185,7 @@ fn require_distinct<'a>(
     Ok(())
 }
 
-/// The rule of [`Picture::main_layer`] over channel names.
+/// The main layer for a list of channel names; see [`Picture::main_layer`].
 pub(crate) fn find_main_layer(names: &[&str]) -> Option<MainLayer> {
     let color_groups = names.iter().filter_map(|name| name.strip_suffix(".R"));
     find_color(names, "")
@@ -195,7 +194,7 @@ pub(crate) fn find_main_layer(names: &[&str]) -> Option<MainLayer> {
         .or_else(|| if let [only] = names { find_grey(names, only) } else { None })
 }
 
-/// The channels R, G, B and A of a named group; the unnamed group is the top level.
+/// The channels R, G, B and A of a group; the empty group is the top level.
 fn find_color(names: &[&str], group: &str) -> Option<MainLayer> {
     let find = |letter: &str| {
         let belongs = |name: &&str| match name.rsplit_once('.') {
@@ -208,7 +207,7 @@ fn find_color(names: &[&str], group: &str) -> Option<MainLayer> {
     Some(MainLayer { color, alpha: find("A"), is_grey: false })
 }
 
-/// A grey channel, and alpha of the top level.
+/// A grey channel, and the alpha of the top level.
 fn find_grey(names: &[&str], grey: &str) -> Option<MainLayer> {
     let find = |wanted: &str| names.iter().position(|name| *name == wanted);
     let alpha = find("A").filter(|_| grey != "A");
@@ -234,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn contradictions_are_found() {
+    fn inconsistent_pictures_are_rejected() {
         let mut picture = Picture::new(2, 1);
         picture.push("R", vec![0.0; 2]);
         assert_eq!(picture.validate(), Ok(()));
@@ -246,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn colors_survive_being_planar() {
+    fn color_images_round_trip() {
         let pixels = vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
         let image = ColorImage { width: 1, height: 2, pixels };
         assert_eq!(Picture::from_color_image(&image).to_color_image(), Ok(image));

@@ -1,11 +1,10 @@
-//! The sRGB transfer functions (IEC 61966-2-1), exact and by table.
+//! The sRGB transfer functions (IEC 61966-2-1), exact and with tables.
 
 use std::sync::LazyLock;
 
 use crate::numeric::clamp_number;
 
-/// Encodes a linear value, one being white. Zero and above follow the standard also beyond one;
-/// negative values are mirrored at zero.
+/// Encodes a linear value, where white is 1. The function continues beyond 1, and is odd.
 pub fn linear_to_srgb(linear: f32) -> f32 {
     let magnitude = linear.abs();
     let encoded = if magnitude <= 0.003_130_8 {
@@ -16,7 +15,7 @@ pub fn linear_to_srgb(linear: f32) -> f32 {
     encoded.copysign(linear)
 }
 
-/// Decodes an sRGB value, one being white: the inverse of [`linear_to_srgb`].
+/// Decodes an sRGB value, where white is 1: the inverse of [`linear_to_srgb`].
 pub fn srgb_to_linear(encoded: f32) -> f32 {
     let magnitude = encoded.abs();
     let linear = if magnitude <= 0.040_45 {
@@ -27,25 +26,25 @@ pub fn srgb_to_linear(encoded: f32) -> f32 {
     linear.copysign(encoded)
 }
 
-/// Decodes an 8-bit sRGB value, 255 being white, by a table of all 256.
+/// Decodes an 8-bit sRGB value, where white is 255, with a table.
 pub fn srgb_u8_to_linear(encoded: u8) -> f32 {
     LINEAR_OF_U8[usize::from(encoded)]
 }
 
-/// The linear values of all 256 codes: [`srgb_u8_to_linear`] for inner loops.
+/// The linear values of all 256 codes, for inner loops that would call [`srgb_u8_to_linear`].
 pub fn linear_of_srgb_u8() -> &'static [f32; 256] {
     &LINEAR_OF_U8
 }
 
-/// Encodes a linear value to the nearest of 256 codes, 255 being white. Values outside [0, 1] are
-/// clamped and NaN becomes zero.
+/// Encodes a linear value to the nearest of 256 codes, where white is 255. Values outside [0, 1]
+/// are clamped; NaN becomes zero.
 ///
-/// The result is that of rounding the exact function, at a few nanoseconds instead of a power: a
-/// table over the float's exponent and upper mantissa bits gives the first code of an interval so
-/// short that at most one threshold lies in it, and a comparison with that does the rest.
-pub fn linear_to_srgb_u8(linear: f32) -> u8 {
+/// The result equals the rounded exact function, but takes a few nanoseconds instead of a power. A
+/// table over the exponent and the upper mantissa bits gives the first code of an interval. The
+/// intervals are so short that each contains at most one threshold, which is then compared.
+pub(crate) fn linear_to_srgb_u8(linear: f32) -> u8 {
     let encoder = &*U8_ENCODER;
-    let clamped = clamp_number(linear, LEAST, GREATEST);
+    let clamped = clamp_number(linear, MIN_ENCODED, MAX_ENCODED);
     let interval = (clamped.to_bits() >> INTERVAL_SHIFT) - FIRST_INTERVAL;
     let code = encoder.first_codes[interval as usize];
     code + u8::from(clamped >= encoder.thresholds[usize::from(code)])
@@ -58,21 +57,21 @@ static U8_ENCODER: LazyLock<U8Encoder> = LazyLock::new(U8Encoder::new);
 
 /// An interval keeps the exponent and seven bits of the mantissa.
 const INTERVAL_SHIFT: u32 = 23 - 7;
-/// Intervals begin at 2⁻¹³, below the threshold of code 1 (about 1.5e-4).
+/// Intervals start at 2⁻¹³, below the threshold of code 1 (about 1.5e-4).
 const FIRST_INTERVAL: u32 = (127 - 13) << 7;
-/// Thirteen octaves of 128 intervals, up to one.
+/// Thirteen octaves of 128 intervals, up to 1.
 const INTERVAL_COUNT: usize = 13 * 128;
-/// Where intervals begin: 2⁻¹³.
-const LEAST: f32 = 1.0 / 8192.0;
-/// The last float below one.
-const GREATEST: f32 = 1.0 - f32::EPSILON / 2.0;
+/// The start of the first interval: 2⁻¹³.
+const MIN_ENCODED: f32 = 1.0 / 8192.0;
+/// The last float below 1.
+const MAX_ENCODED: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The tables behind [`linear_to_srgb_u8`].
 struct U8Encoder {
     /// `thresholds[code]` is the least linear value whose code is above `code`; infinite for the
-    /// last.
+    /// last code.
     thresholds: [f32; 256],
-    /// The code of the least value of each interval.
+    /// The code of the first value in each interval.
     first_codes: [u8; INTERVAL_COUNT],
 }
 
@@ -84,14 +83,14 @@ impl U8Encoder {
         });
         let first_codes = std::array::from_fn(|interval| {
             let start = interval_start(interval);
-            // At most 255, as the last threshold is infinite.
+            // At most 255, because the last threshold is infinite.
             thresholds.partition_point(|&threshold| threshold <= start) as u8
         });
         Self { thresholds, first_codes }
     }
 }
 
-/// The least float of an interval.
+/// The first float of an interval.
 fn interval_start(interval: usize) -> f32 {
     f32::from_bits((interval as u32 + FIRST_INTERVAL) << INTERVAL_SHIFT)
 }
@@ -115,16 +114,16 @@ mod tests {
     }
 
     #[test]
-    fn every_code_survives_the_way_to_linear_and_back() {
+    fn all_codes_round_trip() {
         for code in 0..=255 {
             assert_eq!(linear_to_srgb_u8(srgb_u8_to_linear(code)), code);
         }
     }
 
     #[test]
-    fn the_table_rounds_as_the_exact_function_does() {
-        // Every 997th float of [0, 2): all exponents, all intervals. Skipped is only the
-        // neighbourhood of a threshold, where `powf` itself may round either way.
+    fn the_table_rounds_like_the_exact_function() {
+        // Every 997th float in [0, 2): all exponents, all intervals. Only the neighbourhoods of
+        // thresholds are skipped, where `powf` itself may round either way.
         for bits in (0..2.0f32.to_bits()).step_by(997) {
             let linear = f32::from_bits(bits);
             let exact = linear_to_srgb(linear.min(1.0)) * 255.0;
@@ -135,11 +134,11 @@ mod tests {
     }
 
     #[test]
-    fn no_interval_holds_two_thresholds() {
+    fn intervals_contain_at_most_one_threshold() {
         let codes = &U8_ENCODER.first_codes;
         assert!(codes.windows(2).all(|pair| pair[1] - pair[0] <= 1));
         assert_eq!((codes[0], codes[INTERVAL_COUNT - 1]), (0, 255));
-        assert_eq!((interval_start(0), interval_start(INTERVAL_COUNT)), (LEAST, 1.0));
+        assert_eq!((interval_start(0), interval_start(INTERVAL_COUNT)), (MIN_ENCODED, 1.0));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! OpenEXR files that our writer does not make: tiles, levels, parts, compressions, number types.
+//! OpenEXR files with features that our writer lacks: tiles, levels, parts, compressions, types.
 
 use etendue_image::{Samples, decode, decode_exr_layers};
 use exr::prelude as exrs;
@@ -6,7 +6,7 @@ use exr::prelude::{Blocks, Compression, Vec2, WritableImage};
 
 const SIZE: Vec2<usize> = Vec2(45, 37);
 
-/// Values that halves hold exactly, different at every pixel of a row and for every channel.
+/// A value that half precision represents exactly, different for each pixel of a row and channel.
 fn value(channel: usize, x: usize, y: usize) -> f32 {
     (x + 64 * channel) as f32 / 8.0 + (y % 4) as f32
 }
@@ -41,7 +41,7 @@ fn layer(name: &str, compression: Compression, blocks: Blocks) -> ForeignLayer {
     exrs::Layer::new(SIZE, attributes, encoding, list)
 }
 
-/// The bytes of a file.
+/// Encodes an image.
 fn file<L>(image: &exrs::Image<L>) -> Vec<u8>
 where
     for<'a> L: exr::image::write::layers::WritableLayers<'a>,
@@ -94,7 +94,7 @@ fn the_first_of_several_parts_is_read() {
 }
 
 #[test]
-fn the_largest_of_several_levels_is_read() {
+fn the_full_resolution_level_is_read() {
     let mut part = layer("main", Compression::ZIP1, Blocks::Tiles(Vec2(16, 16)));
     let list = std::mem::take(&mut part.channel_data.list);
     let levels = list.into_iter().map(|channel| {

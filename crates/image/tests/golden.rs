@@ -1,4 +1,4 @@
-//! Small files as other programs write them: palettes, runs, progressive scans, strips.
+//! Small files written by other programs: palettes, run lengths, progressive scans, strips.
 
 use etendue_image::{Samples, decode};
 
@@ -8,8 +8,8 @@ fn ramp(x: u32, y: u32) -> [u32; 3] {
     [x * 20, y * 28, (x + y) * 12]
 }
 
-/// Checks an 8-bit file against the ramps; returns the largest difference.
-fn largest_difference(name: &str, bytes: &[u8]) -> u32 {
+/// The maximum difference of an 8-bit file from the ramps.
+fn max_difference(name: &str, bytes: &[u8]) -> u32 {
     let bitmap = decode(bytes, name).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert_eq!((bitmap.width, bitmap.height), (13, 9), "{name}");
     assert!(bitmap.srgb, "{name}");
@@ -25,28 +25,28 @@ fn largest_difference(name: &str, bytes: &[u8]) -> u32 {
     largest
 }
 
-macro_rules! largest_difference {
+macro_rules! max_difference {
     ($name:literal) => {
-        largest_difference($name, include_bytes!(concat!("golden/", $name)))
+        max_difference($name, include_bytes!(concat!("golden/", $name)))
     };
 }
 
 #[test]
 fn lossless_files_are_exact() {
-    assert_eq!(largest_difference!("alpha.bmp"), 0);
-    assert_eq!(largest_difference!("alpha.tga"), 0);
-    assert_eq!(largest_difference!("rle.tga"), 0);
-    assert_eq!(largest_difference!("deflate.tif"), 0);
-    assert_eq!(largest_difference!("lzw.tif"), 0);
-    assert_eq!(largest_difference!("packbits.tif"), 0);
+    assert_eq!(max_difference!("alpha.bmp"), 0);
+    assert_eq!(max_difference!("alpha.tga"), 0);
+    assert_eq!(max_difference!("rle.tga"), 0);
+    assert_eq!(max_difference!("deflate.tif"), 0);
+    assert_eq!(max_difference!("lzw.tif"), 0);
+    assert_eq!(max_difference!("packbits.tif"), 0);
 }
 
-/// JPEG at quality 95. With chroma at half resolution, steep ramps of colour come out blurred.
+/// JPEG at quality 95. With chroma at half resolution, steep colour ramps are blurred.
 #[test]
-fn lossy_files_are_near() {
-    assert!(largest_difference!("progressive.jpg") <= 8);
-    assert!(largest_difference!("cmyk.jpg") <= 8);
-    assert!(largest_difference!("subsampled.jpg") <= 48);
+fn lossy_files_are_close() {
+    assert!(max_difference!("progressive.jpg") <= 8);
+    assert!(max_difference!("cmyk.jpg") <= 8);
+    assert!(max_difference!("subsampled.jpg") <= 48);
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn palettes_are_looked_up() {
 }
 
 #[test]
-fn single_bits_become_black_and_white() {
+fn one_bit_images_are_black_and_white() {
     let bitmap = decode(include_bytes!("golden/one_bit.png"), "").unwrap();
     let checks = (0..13 * 9).map(|index| ((index % 13 + index / 13) % 2 * 255) as u8);
     assert_eq!(bitmap.samples, Samples::U8(checks.collect()));

@@ -1,4 +1,4 @@
-//! Broken and lying files are errors: never a panic, never memory or time out of proportion.
+//! Malformed files give errors: no panics, and no disproportionate memory or time.
 #![allow(clippy::disallowed_methods, reason = "the corpus is read from disk")]
 
 use std::path::Path;
@@ -10,7 +10,7 @@ use etendue_image::{
 use exr::prelude as exrs;
 use exr::prelude::WritableImage;
 
-/// Xorshift: the same numbers at every run.
+/// Xorshift with a fixed seed.
 struct Random(u64);
 
 impl Random {
@@ -30,7 +30,7 @@ fn picture(names: &[&str]) -> Picture {
     picture
 }
 
-/// An OpenEXR file in a compression or tiling that our writer does not have.
+/// An OpenEXR file with a compression or tiling that our writer lacks.
 fn foreign_exr(
     size: exrs::Vec2<usize>,
     compression: exrs::Compression,
@@ -53,8 +53,8 @@ fn foreign_exr(
     bytes.into_inner()
 }
 
-/// Sound files of every format, with the names that they go by.
-fn sound_files() -> Vec<(String, Vec<u8>)> {
+/// Valid files of every format, with their names.
+fn valid_files() -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
     let options = EncodeOptions::default();
     let deep = EncodeOptions {
@@ -88,7 +88,7 @@ fn sound_files() -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// The files of other programs.
+/// Files written by other programs.
 fn golden_files() -> Vec<(String, Vec<u8>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
     let mut paths: Vec<_> =
@@ -105,21 +105,21 @@ fn tga() -> Vec<u8> {
     bytes
 }
 
-/// Reads a file in every way. An outcome is an error or an image that fits its own description.
+/// Decodes a file in every way. The result must be an error or a consistent image.
 fn survive(bytes: &[u8], name: &str) {
     if let Ok(bitmap) = decode(bytes, name) {
         let expected = bitmap.width as usize * bitmap.height as usize * bitmap.channels as usize;
         assert_eq!(bitmap.samples.len(), expected, "{name}");
     }
     if let Ok(picture) = decode_exr_layers(bytes) {
-        // Duplicate channel names in a broken file are the only contradiction let through.
+        // Only duplicate channel names in a malformed file are not rejected.
         assert!(!picture.channels.is_empty(), "{name}");
     }
 }
 
 #[test]
-fn sound_files_are_read() {
-    for (name, bytes) in sound_files() {
+fn valid_files_are_read() {
+    for (name, bytes) in valid_files() {
         let bitmap = decode(&bytes, &name).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(bitmap.width >= 13 && bitmap.height >= 9, "{name}");
     }
@@ -128,7 +128,7 @@ fn sound_files_are_read() {
 #[test]
 fn truncated_files_do_not_panic() {
     let mut random = Random(0x5eed);
-    for (name, bytes) in sound_files() {
+    for (name, bytes) in valid_files() {
         for _ in 0..60 {
             survive(&bytes[..random.below(bytes.len())], &name);
         }
@@ -139,12 +139,12 @@ fn truncated_files_do_not_panic() {
 }
 
 #[test]
-fn disturbed_files_do_not_panic() {
+fn corrupt_files_do_not_panic() {
     let mut random = Random(0xd157);
-    for (name, bytes) in sound_files() {
+    for (name, bytes) in valid_files() {
         for _ in 0..200 {
             let mut bytes = bytes.clone();
-            // Most of what can go wrong is in the header.
+            // Most errors are in the header.
             let range = if random.below(3) > 0 { bytes.len().min(400) } else { bytes.len() };
             for _ in 0..=random.below(4) {
                 bytes[random.below(range)] = [0, 1, 0x7f, 0x80, 0xff, b' '][random.below(6)];
@@ -154,9 +154,9 @@ fn disturbed_files_do_not_panic() {
     }
 }
 
-/// Large parts are unpacked on several threads, where a panic must be caught as well.
+/// Large parts are decompressed on several threads, where panics must be caught as well.
 #[test]
-fn disturbed_blocks_do_not_panic_on_other_threads() {
+fn corrupt_blocks_do_not_panic_on_other_threads() {
     let mut random = Random(0x7472);
     let size = exrs::Vec2(300, 200);
     for compression in [exrs::Compression::B44, exrs::Compression::PIZ, exrs::Compression::RLE] {
@@ -174,8 +174,8 @@ fn disturbed_blocks_do_not_panic_on_other_threads() {
 }
 
 #[test]
-fn files_beyond_the_limits_are_too_large() {
-    for (name, bytes) in sound_files() {
+fn files_above_the_limits_are_too_large() {
+    for (name, bytes) in valid_files() {
         let bitmap = decode(&bytes, &name).unwrap();
         let limits = Limits { samples: bitmap.samples.len() as u64 - 1, ..Limits::default() };
         let result = decode_with_limits(&bytes, &name, &limits);
@@ -183,9 +183,9 @@ fn files_beyond_the_limits_are_too_large() {
     }
 }
 
-/// Every file of the corpus is broken in the way that its name says.
+/// Every file of the corpus is malformed in the way that its name says.
 #[test]
-fn the_corpus_is_refused() {
+fn the_corpus_is_rejected() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {

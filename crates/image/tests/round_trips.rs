@@ -7,8 +7,8 @@ use etendue_image::{
 
 use proptest::prelude::*;
 
-/// A picture of 37 × 21 pixels (no multiple of any block) whose channels hold smooth ramps, each
-/// with values of its own.
+/// A picture of 37 × 21 pixels (not a multiple of any block) whose channels hold smooth ramps, each
+/// with different values.
 fn ramps(names: &[&str]) -> Picture {
     let (width, height) = (37, 21);
     let mut picture = Picture::new(width, height);
@@ -22,8 +22,8 @@ fn ramps(names: &[&str]) -> Picture {
     picture
 }
 
-/// The largest difference between two channels.
-fn largest_difference(a: &[f32], b: &[f32]) -> f32 {
+/// The maximum difference between two channels.
+fn max_difference(a: &[f32], b: &[f32]) -> f32 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
@@ -77,7 +77,7 @@ fn exr_halves_round_to_nearest_and_saturate() {
     let Samples::F16(samples) = bitmap.samples else { panic!("halves expected") };
     let values: Vec<f32> = samples.iter().map(|half| half.to_f32()).collect();
     assert_eq!(values[..4], [65504.0, -65504.0, f32::INFINITY, 0.333_251_95]);
-    assert!(largest_difference(&values[4..], &picture.channels[0].data[4..]) < 2.5e-4);
+    assert!(max_difference(&values[4..], &picture.channels[0].data[4..]) < 2.5e-4);
 }
 
 #[test]
@@ -95,13 +95,13 @@ fn hdr_keeps_eight_bits_of_the_largest_channel() {
     let bytes = encode(&picture, FileFormat::Hdr, &EncodeOptions::default()).unwrap();
     let read = decode_picture(&bytes, "").unwrap();
     for (a, b) in read.channels.iter().zip(&picture.channels) {
-        assert!(largest_difference(&a.data, &b.data) <= 1.0 / 128.0, "{}", a.name);
+        assert!(max_difference(&a.data, &b.data) <= 1.0 / 128.0, "{}", a.name);
     }
 }
 
-/// How many 8-bit steps the read samples are off at most, in each format that stores them.
+/// The tolerances are in 8-bit steps.
 #[test]
-fn display_formats_keep_what_their_depth_allows() {
+fn display_formats_are_accurate_to_their_depth() {
     use FileFormat::{Bmp, Png, Tiff};
     let cases: [(FileFormat, &[&str], BitDepth, f32); 10] = [
         (Png, &["R", "G", "B"], BitDepth::Eight, 0.51),
@@ -134,13 +134,13 @@ fn display_formats_keep_what_their_depth_allows() {
             let encoded =
                 |&v: &f32| if is_alpha { v } else { etendue_image::srgb::linear_to_srgb(v) };
             let expected: Vec<f32> = layer.data.iter().map(encoded).collect();
-            let steps = largest_difference(&read, &expected) * 255.0;
+            let steps = max_difference(&read, &expected) * 255.0;
             assert!(steps <= tolerance, "{format:?} {names:?} {bit_depth:?}: {steps}");
         }
     }
 }
 
-/// The mean difference of the stored bytes from the right ones, in steps.
+/// The mean absolute error of the stored bytes, in steps.
 fn jpeg_error(picture: &Picture, jpeg_quality: u8) -> f32 {
     let options = EncodeOptions { jpeg_quality, ..EncodeOptions::default() };
     let bytes = encode(picture, FileFormat::Jpeg, &options).unwrap();
@@ -153,7 +153,7 @@ fn jpeg_error(picture: &Picture, jpeg_quality: u8) -> f32 {
 }
 
 #[test]
-fn jpeg_is_near_and_nearer_with_more_quality() {
+fn jpeg_is_close_and_improves_with_quality() {
     for names in [&["R", "G", "B"][..], &["Y"]] {
         let picture = ramps(names);
         let (low, default, best) =
@@ -166,9 +166,9 @@ fn jpeg_is_near_and_nearer_with_more_quality() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any bits survive: NaN with payload, infinities, negative zero.
+    /// All bit patterns survive: NaN with payload, infinities, negative zero.
     #[test]
-    fn exr_keeps_any_bits_of_any_size(
+    fn exr_keeps_all_bits_at_any_size(
         width in 1_u32..70,
         height in 1_u32..40,
         channel_count in 1_usize..5,
@@ -180,7 +180,7 @@ proptest! {
         for channel in 0..channel_count {
             let data = (0..width * height).map(|_| {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                // Every other value is smooth, so that compression finds something to do.
+                // Every other value is constant, so that compression has an effect.
                 f32::from_bits(if state & 0x10_0000 == 0 { state } else { 0x3f80_0000 })
             });
             picture.push(format!("c{channel}.X"), data.collect());
@@ -199,7 +199,7 @@ proptest! {
     }
 }
 
-/// Alpha of one half: premultiplied colours are divided by it, those of nothing stay.
+/// With an alpha of one half, premultiplied colours are divided by it; with zero, they are kept.
 #[test]
 fn png_alpha_is_not_premultiplied() {
     let mut picture = Picture::new(2, 1);
@@ -211,11 +211,11 @@ fn png_alpha_is_not_premultiplied() {
     let bytes = encode(&picture, FileFormat::Png, &options).unwrap();
     let linear = decode(&bytes, "").unwrap().to_linear();
     let expected = [0.5, 0.5, 0.5, 0.5, 0.25, 0.25, 0.25, 0.0];
-    assert!(largest_difference(&linear, &expected) < 2e-5, "{linear:?}");
+    assert!(max_difference(&linear, &expected) < 2e-5, "{linear:?}");
 }
 
 #[test]
-fn exposure_and_tone_map_reach_display_formats_only() {
+fn exposure_and_tone_map_only_affect_display_formats() {
     let picture = ramps(&["R", "G", "B"]);
     let options =
         EncodeOptions { exposure: 1.0, tone_map: ToneMap::Agx, ..EncodeOptions::default() };
@@ -228,7 +228,7 @@ fn exposure_and_tone_map_reach_display_formats_only() {
     let shown = picture.to_color_image().unwrap().to_display(ToneMap::Agx, 1.0);
     let read = decode(&bytes, "").unwrap().to_color_image();
     let flat = |image: &etendue_image::ColorImage| image.pixels.as_flattened().to_vec();
-    assert!(largest_difference(&flat(&read), &flat(&shown)) < 0.005);
+    assert!(max_difference(&flat(&read), &flat(&shown)) < 0.005);
 }
 
 #[test]
@@ -252,25 +252,25 @@ fn single_pixels_fit_every_format_with_and_without_alpha() {
 }
 
 #[test]
-fn pictures_that_do_not_fit_are_refused() {
+fn pictures_that_do_not_fit_are_rejected() {
     let options = EncodeOptions::default();
-    let refuse = |picture: &Picture, format, expected: &str| {
+    let reject = |picture: &Picture, format, expected: &str| {
         let error = encode(picture, format, &options).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
     };
-    refuse(&Picture::new(2, 2), FileFormat::Exr, "no channels");
-    refuse(&Picture::new(2, 2), FileFormat::Png, "neither colour nor grey");
-    refuse(&ramps(&["normal.X", "depth.Z"]), FileFormat::Png, "only: normal.X, depth.Z");
-    refuse(&ramps(&["R\0"]), FileFormat::Exr, "no name for a channel");
-    refuse(&ramps(&[""]), FileFormat::Exr, "no name for a channel");
+    reject(&Picture::new(2, 2), FileFormat::Exr, "no channels");
+    reject(&Picture::new(2, 2), FileFormat::Png, "neither colour nor grey");
+    reject(&ramps(&["normal.X", "depth.Z"]), FileFormat::Png, "only: normal.X, depth.Z");
+    reject(&ramps(&["R\0"]), FileFormat::Exr, "not a name for a channel");
+    reject(&ramps(&[""]), FileFormat::Exr, "not a name for a channel");
     let mut picture = ramps(&["R"]);
     picture.metadata.push(("tiles".into(), MetadataValue::Integer(1)));
-    refuse(&picture, FileFormat::Exr, "'tiles' describes the file itself");
+    reject(&picture, FileFormat::Exr, "'tiles' describes the file itself");
     picture.metadata[0].0 = "x".repeat(256);
-    refuse(&picture, FileFormat::Exr, "no name for an attribute");
+    reject(&picture, FileFormat::Exr, "not a name for an attribute");
     let mut picture = ramps(&["R"]);
     picture.data_origin = [i32::MAX, 0];
-    refuse(&picture, FileFormat::Exr, "32-bit coordinates");
+    reject(&picture, FileFormat::Exr, "32-bit coordinates");
     let mut picture = Picture::new(70_000, 1);
     picture.push("Y", vec![0.0; 70_000]);
     assert!(encode(&picture, FileFormat::Jpeg, &options).is_err());

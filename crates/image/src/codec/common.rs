@@ -12,12 +12,11 @@ use image::{DynamicImage, ImageDecoder, ImageReader};
 use super::display::{AlphaMode, display_image};
 use crate::{Bitmap, EncodeOptions, FileFormat, ImageError, Limits, Picture, Samples};
 
-/// No file unpacks to more bytes than this per byte of its own: deflate ends at 1032, and a palette
-/// of one bit per pixel turns each of those into 32. A header that claims more is a lie, found
-/// before memory is taken for it.
-const LARGEST_EXPANSION: u64 = 1 << 16;
+/// The maximum expansion of any format: deflate reaches a factor of 1032, and a palette of one bit
+/// per pixel another 32. A header that claims more is rejected before memory is allocated.
+const MAX_EXPANSION: u64 = 1 << 16;
 
-/// Reads a file of the given format; `name` is the format's name for messages.
+/// Decodes a file of the given format; `name` is the format's name in messages.
 pub(super) fn decode(
     bytes: &[u8],
     format: image::ImageFormat,
@@ -26,8 +25,8 @@ pub(super) fn decode(
 ) -> Result<Bitmap, ImageError> {
     let context = Context { name, file_size: bytes.len(), limits };
     if format == image::ImageFormat::Hdr {
-        // Files that begin with "#?RGBE" are as common as "#?RADIANCE", which the strict decoder
-        // insists on.
+        // Files that start with "#?RGBE" are as common as "#?RADIANCE", which the strict decoder
+        // requires.
         let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
         return context.read(decoder.map_err(|error| read_error(name, error))?);
     }
@@ -39,24 +38,24 @@ pub(super) fn decode(
     context.read(reader.into_decoder().map_err(|error| read_error(name, error))?)
 }
 
-/// Refuses a PNG file whose palette does not consist of whole colours: the decoder would run past its
-/// end (found by fuzzing, version 0.18.1 of `png`).
+/// Rejects a PNG file whose palette contains a partial colour: the decoder would read past its end
+/// (found by fuzzing, in version 0.18.1 of `png`).
 fn check_palette(bytes: &[u8]) -> Result<(), ImageError> {
-    /// Bytes of the signature before the first chunk.
+    /// The length of the signature before the first chunk.
     const SIGNATURE: usize = 8;
     let mut rest = bytes.get(SIGNATURE..).unwrap_or(&[]);
-    // A chunk: the length of its data, its type, the data, a checksum.
+    // A chunk consists of the length of its data, its type, the data, and a checksum.
     while let Some((&[a, b, c, d, ref kind @ ..], after)) = rest.split_first_chunk::<8>() {
         let length = u32::from_be_bytes([a, b, c, d]) as usize;
         if kind == b"PLTE" && !length.is_multiple_of(3) {
-            return Err(ImageError::malformed("PNG", "the palette ends within a colour"));
+            return Err(ImageError::malformed("PNG", "the palette ends with a partial colour"));
         }
         rest = after.get(length.saturating_add(4)..).unwrap_or(&[]);
     }
     Ok(())
 }
 
-/// What a decoder is held to.
+/// Constraints on a decoder.
 struct Context<'a> {
     name: &'static str,
     file_size: usize,
@@ -64,15 +63,15 @@ struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Reads all samples once their number is known to be plausible.
+    /// Decodes all samples, after checking that their number is plausible.
     fn read(&self, decoder: impl ImageDecoder) -> Result<Bitmap, ImageError> {
         self.check_size(&decoder)?;
         let image = DynamicImage::from_decoder(decoder);
         let image = image.map_err(|error| read_error(self.name, error))?;
-        into_bitmap(image).ok_or_else(|| ImageError::unsupported(self.name, "this kind of samples"))
+        into_bitmap(image).ok_or_else(|| ImageError::unsupported(self.name, "this sample format"))
     }
 
-    /// Holds the size in the header against the limits and the size of the file.
+    /// Checks the size in the header against the limits and the size of the file.
     fn check_size(&self, decoder: &impl ImageDecoder) -> Result<(), ImageError> {
         let (width, height) = decoder.dimensions();
         let color = decoder.color_type();
@@ -82,7 +81,7 @@ impl Context<'_> {
         if width == 0 || height == 0 {
             return Err(ImageError::malformed(self.name, "the image has no pixels"));
         }
-        if decoder.total_bytes() > (self.file_size as u64).saturating_mul(LARGEST_EXPANSION) {
+        if decoder.total_bytes() > (self.file_size as u64).saturating_mul(MAX_EXPANSION) {
             let message = format!("{} bytes cannot hold {width}x{height} pixels", self.file_size);
             return Err(ImageError::malformed(self.name, message));
         }
@@ -90,7 +89,7 @@ impl Context<'_> {
     }
 }
 
-/// Writes the main layer.
+/// Encodes the main layer.
 pub(super) fn encode(
     picture: &Picture,
     format: FileFormat,
@@ -101,8 +100,8 @@ pub(super) fn encode(
     let display = |mode| display_image(picture, options, mode);
     let result = match format {
         FileFormat::Png => {
-            // On four renders, the default compression gave files smaller by 11 to 18 % in 2 to 20
-            // times the time, the best by 13 to 23 % in 28 to 220 times.
+            // On four renders, the default compression gave files that were 11 to 18 % smaller, in
+            // 2 to 20 times the time; the best 13 to 23 %, in 28 to 220 times.
             let (compression, filter) = (CompressionType::Fast, FilterType::Adaptive);
             let encoder = PngEncoder::new_with_quality(target, compression, filter);
             display(AlphaMode::Straight)?.write_with_encoder(encoder)
@@ -119,21 +118,21 @@ pub(super) fn encode(
         }
         FileFormat::Hdr => linear_image(picture)?.write_with_encoder(HdrEncoder::new(target)),
         FileFormat::Exr | FileFormat::Pfm => {
-            return Err(ImageError::invalid_picture("this format has a writer of its own"));
+            return Err(ImageError::invalid_picture("this format has a separate encoder"));
         }
     };
     result.map_err(|error| ImageError::invalid_picture(error.to_string()))?;
     Ok(bytes)
 }
 
-/// Our limits in the decoders' terms.
+/// Converts our limits to those of the decoders.
 fn decoder_limits(limits: &Limits) -> image::Limits {
     let mut decoder_limits = image::Limits::default();
     decoder_limits.max_alloc = Some(limits.bytes);
     decoder_limits
 }
 
-/// Makes grey with alpha to colour with alpha: the writer of TIFF files has no such kind.
+/// Converts grey with alpha to colour with alpha, because the TIFF encoder does not support it.
 fn without_grey_alpha(image: DynamicImage) -> DynamicImage {
     match image {
         DynamicImage::ImageLumaA8(_) => image.to_rgba8().into(),
@@ -142,7 +141,7 @@ fn without_grey_alpha(image: DynamicImage) -> DynamicImage {
     }
 }
 
-/// Takes the samples as they are. `None` for kinds of samples that no enabled decoder gives.
+/// Takes over the samples. `None` for sample formats that no enabled decoder returns.
 fn into_bitmap(image: DynamicImage) -> Option<Bitmap> {
     let (width, height) = (image.width(), image.height());
     let channels = u32::from(image.color().channel_count());
@@ -172,8 +171,8 @@ fn linear_image(picture: &Picture) -> Result<DynamicImage, ImageError> {
     Ok(DynamicImage::ImageRgb32F(buffer))
 }
 
-/// Sorts a decoder's error by whose fault it is, with the innermost message: the outer ones repeat
-/// the format's name.
+/// Classifies a decoder's error, and keeps the innermost message: the outer ones repeat the
+/// format's name.
 fn read_error(name: &'static str, error: image::ImageError) -> ImageError {
     let is_unsupported = matches!(error, image::ImageError::Unsupported(_));
     let mut innermost: &dyn std::error::Error = &error;

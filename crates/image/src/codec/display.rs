@@ -1,22 +1,22 @@
-//! From linear channels to the integers of a display format: exposure, tone mapping, sRGB.
+//! Converts linear channels to the integers of a display format: exposure, tone mapping, sRGB.
 
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, Rgba};
 use rayon::prelude::*;
 
-use super::{BitDepth, EncodeOptions};
+use super::options::{BitDepth, EncodeOptions};
 use crate::srgb::{linear_to_srgb, linear_to_srgb_u8};
 use crate::{ImageError, MainLayer, Picture, ToneMap, exposure_scale};
 
-/// Pictures with fewer rows than this times their width stay on one thread: they take less time
-/// than waking the others.
+/// Pictures with fewer pixels are converted on one thread, which takes less time than waking the
+/// others.
 const PARALLEL_PIXELS: usize = 1 << 17;
 
-/// What becomes of alpha.
+/// The treatment of alpha.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AlphaMode {
-    /// Kept; colours are divided by it.
+    /// Alpha is kept, and colours are divided by it.
     Straight,
-    /// Left out; colours stay premultiplied, that is, over black.
+    /// Alpha is dropped. Colours stay premultiplied, which shows them over black.
     Dropped,
 }
 
@@ -34,7 +34,7 @@ impl DisplaySample for u8 {
     }
 
     fn from_alpha(alpha: f32) -> Self {
-        // A float becomes an integer saturating, NaN becomes zero.
+        // The conversion saturates, and NaN becomes zero.
         (alpha * 255.0 + 0.5) as Self
     }
 }
@@ -49,8 +49,8 @@ impl DisplaySample for u16 {
     }
 }
 
-/// Converts the main layer to integers of the chosen depth. JPEG and BMP, which have eight bits
-/// only, are the ones that drop alpha.
+/// Converts the main layer to integers of the chosen depth. JPEG and BMP, which only have eight
+/// bits, drop alpha.
 pub(super) fn display_image(
     picture: &Picture,
     options: &EncodeOptions,
@@ -75,7 +75,7 @@ pub(super) fn display_image(
     image.ok_or_else(|| ImageError::invalid_picture("its channels have too few values"))
 }
 
-/// The channels to convert, and how bright.
+/// The channels to convert, and the exposure factor.
 struct Source<'a> {
     picture: &'a Picture,
     main: MainLayer,
@@ -83,7 +83,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// How many samples a pixel has: grey or RGB, and alpha.
+    /// The number of samples per pixel: grey or RGB, and alpha.
     fn samples_per_pixel(&self) -> usize {
         let color = if self.main.is_grey { 1 } else { 3 };
         color + usize::from(self.main.alpha.is_some())
@@ -105,7 +105,7 @@ impl Source<'_> {
         samples
     }
 
-    /// Converts one row, whose first pixel has the index `start`.
+    /// Converts one row; `start` is the index of its first pixel.
     fn convert_row<T: DisplaySample>(&self, start: usize, target: &mut [T], tone_map: ToneMap) {
         let data = |index: usize| &self.picture.channels[index].data[start..];
         let color = self.main.color.map(data);
@@ -126,7 +126,7 @@ impl Source<'_> {
     }
 }
 
-/// Wraps 8-bit samples for the writers. `None` if there are too few.
+/// Wraps 8-bit samples for the encoders. `None` if there are too few.
 fn assemble_u8(picture: &Picture, main: &MainLayer, samples: Vec<u8>) -> Option<DynamicImage> {
     let (width, height) = (picture.width, picture.height);
     Some(match (main.is_grey, main.alpha.is_some()) {
@@ -137,7 +137,7 @@ fn assemble_u8(picture: &Picture, main: &MainLayer, samples: Vec<u8>) -> Option<
     })
 }
 
-/// Wraps 16-bit samples for the writers. `None` if there are too few.
+/// Wraps 16-bit samples for the encoders. `None` if there are too few.
 fn assemble_u16(picture: &Picture, main: &MainLayer, samples: Vec<u16>) -> Option<DynamicImage> {
     let (width, height) = (picture.width, picture.height);
     Some(match (main.is_grey, main.alpha.is_some()) {

@@ -1,7 +1,7 @@
-//! The first part of an OpenEXR file: its header, and its channels' samples.
+//! The first part of an OpenEXR file: its header, and the samples of its channels.
 //!
-//! The chunks are unpacked here and not by the `exr` crate's own image reader, because that does it
-//! on a thread pool where a panic ends the process.
+//! Chunks are decompressed here rather than by the `exr` crate's own image reader, which uses a
+//! thread pool where a panic aborts the process.
 
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,23 +17,25 @@ use exr::prelude::Compression;
 use half::f16;
 use rayon::prelude::*;
 
-use super::exr_read::FORMAT;
 use crate::{ImageError, Limits};
 
-/// Parts with fewer samples than this are unpacked on one thread.
+/// The format's name in messages.
+pub(super) const FORMAT: &str = "OpenEXR";
+
+/// Parts with fewer samples are decompressed on one thread.
 const PARALLEL_SAMPLES: usize = 1 << 17;
 
-/// How many chunks are unpacked before their samples are moved to where they belong.
-const CHUNKS_AT_ONCE: usize = 64;
+/// The number of chunks that are decompressed before their samples are stored.
+const CHUNK_BATCH: usize = 64;
 
-/// A file's first part.
+/// The first part of a file.
 pub(super) struct Part {
     pub(super) header: Header,
     /// Samples of the whole data window, for each channel of the header.
     pub(super) channels: Vec<FlatSamples>,
 }
 
-/// Checks the headers, then reads the first part's channels at their full resolution.
+/// Checks the headers, then reads the channels of the first part at full resolution.
 pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageError> {
     let reader = guarded(|| exr::block::read(Cursor::new(bytes), false))?;
     let first = check_headers(reader.headers(), bytes.len(), limits)?.clone();
@@ -45,12 +47,11 @@ pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageErro
         })?;
         let is_small = first.layer_size.area() * channels.len() < PARALLEL_SAMPLES;
         loop {
-            let some: Vec<Chunk> =
-                chunks.by_ref().take(CHUNKS_AT_ONCE).collect::<Result<_, _>>()?;
-            if some.is_empty() {
+            let batch: Vec<Chunk> = chunks.by_ref().take(CHUNK_BATCH).collect::<Result<_, _>>()?;
+            if batch.is_empty() {
                 return Ok(channels);
             }
-            for block in unpack(some, &meta_data, is_small)? {
+            for block in decompress(batch, &meta_data, is_small)? {
                 store(&block, &first, &mut channels)?;
             }
         }
@@ -58,21 +59,21 @@ pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageErro
     Ok(Part { header: first, channels })
 }
 
-/// Calls into the `exr` crate. Its checks have holes: some broken files run into its assertions or
-/// past the end of its slices, and that must not take the host down with it.
+/// Calls the `exr` crate, and turns panics into errors: its checks are incomplete, and some
+/// malformed files fail its assertions or index out of bounds.
 fn guarded<T>(read: impl FnOnce() -> exr::error::Result<T>) -> Result<T, ImageError> {
-    // Nothing that `read` has touched is looked at after a panic.
+    // Nothing that `read` has modified is used after a panic.
     match catch_unwind(AssertUnwindSafe(read)) {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(exr::error::Error::NotSupported(message))) => {
             Err(ImageError::unsupported(FORMAT, message.to_string()))
         }
         Ok(Err(error)) => Err(ImageError::malformed(FORMAT, error.to_string())),
-        Err(_) => Err(ImageError::malformed(FORMAT, "the blocks of samples make no sense")),
+        Err(_) => Err(ImageError::malformed(FORMAT, "the sample blocks are inconsistent")),
     }
 }
 
-/// Refuses what is not supported, and sizes that the file cannot hold. Returns the first header.
+/// Rejects unsupported features, and sizes that the file cannot hold. Returns the first header.
 fn check_headers<'a>(
     headers: &'a [Header],
     file_size: usize,
@@ -101,7 +102,7 @@ fn check_headers<'a>(
     }
     limits.check(width, height, list.len() as u64, 4)?;
     let pixel_bytes: u64 = list.iter().map(|c| c.sample_type.bytes_per_sample() as u64).sum();
-    let possible = largest_expansion(header.compression).saturating_mul(file_size as u64);
+    let possible = max_expansion(header.compression).saturating_mul(file_size as u64);
     if width * height * pixel_bytes > possible {
         let message = format!("{file_size} bytes cannot hold {width}x{height} pixels");
         return Err(malformed(&message));
@@ -109,49 +110,49 @@ fn check_headers<'a>(
     Ok(header)
 }
 
-/// Most bytes of samples that one byte of the file can become, rounded up.
-fn largest_expansion(compression: Compression) -> u64 {
+/// An upper bound of the sample bytes that one byte of the file can expand to.
+fn max_expansion(compression: Compression) -> u64 {
     match compression {
         Compression::Uncompressed => 1,
         // A run of 128 takes two bytes.
         Compression::RLE => 64,
         // Sixteen samples take three bytes.
         Compression::B44 | Compression::B44A => 16,
-        // Deflate ends at 1032, a Huffman code for 255 samples below that. PXR24 leaves out a
+        // Deflate reaches a factor of 1032; a Huffman code for 255 samples less. PXR24 drops a
         // quarter of each float.
         Compression::ZIP1 | Compression::ZIP16 | Compression::PIZ | Compression::PXR24 => 1400,
-        // An empty block of 64 samples takes two bytes, which deflate again.
+        // An empty block of 64 samples takes two bytes, which are deflated again.
         _ => 1 << 17,
     }
 }
 
-/// Room for all samples of all channels.
+/// Zeroed samples for all channels.
 fn allocate(header: &Header) -> Vec<FlatSamples> {
     let count = header.layer_size.area();
-    let room = |sample_type| match sample_type {
+    let zeros = |sample_type| match sample_type {
         SampleType::F16 => FlatSamples::F16(vec![f16::ZERO; count]),
         SampleType::F32 => FlatSamples::F32(vec![0.0; count]),
         SampleType::U32 => FlatSamples::U32(vec![0; count]),
     };
-    header.channels.list.iter().map(|channel| room(channel.sample_type)).collect()
+    header.channels.list.iter().map(|channel| zeros(channel.sample_type)).collect()
 }
 
-/// Undoes the compression of some chunks.
-fn unpack(
+/// Decompresses chunks.
+fn decompress(
     chunks: Vec<Chunk>,
     meta_data: &MetaData,
     is_small: bool,
 ) -> exr::error::Result<Vec<UncompressedBlock>> {
-    let unpack_one = |chunk| UncompressedBlock::decompress_chunk(chunk, meta_data, false);
+    let decompress_one = |chunk| UncompressedBlock::decompress_chunk(chunk, meta_data, false);
     if is_small {
-        chunks.into_iter().map(unpack_one).collect()
+        chunks.into_iter().map(decompress_one).collect()
     } else {
-        chunks.into_par_iter().map(unpack_one).collect()
+        chunks.into_par_iter().map(decompress_one).collect()
     }
 }
 
-/// Copies a block's rows to their places. Where a block lies is written in the chunk itself, so it
-/// may be anywhere.
+/// Copies the rows of a block to the channels. The position of a block is read from the chunk, so it
+/// may be invalid.
 fn store(
     block: &UncompressedBlock,
     header: &Header,

@@ -1,4 +1,4 @@
-//! OpenEXR files as bitmaps and as pictures.
+//! Decodes OpenEXR files to bitmaps and pictures.
 
 use exr::image::FlatSamples;
 use exr::meta::attribute::{AttributeValue, Text};
@@ -6,16 +6,13 @@ use exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use super::exr_part::read_part;
+use super::exr_part::{FORMAT, read_part};
 use super::exr_write::STRUCTURAL;
 use crate::picture::find_main_layer;
 use crate::{Bitmap, Channel, ImageError, Limits, MainLayer, MetadataValue, Picture};
 use crate::{Samples, Window};
 
-/// The format's name in messages.
-pub(super) const FORMAT: &str = "OpenEXR";
-
-/// Reads the main layer over the data window, in half precision if the file has it so.
+/// Decodes the main layer over the data window, in half precision if the file has it.
 pub(super) fn decode_bitmap(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError> {
     let part = read_part(bytes, limits)?;
     let names = channel_names(&part.header);
@@ -35,7 +32,7 @@ pub(super) fn decode_bitmap(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Ima
     })
 }
 
-/// Reads all channels and all metadata.
+/// Decodes all channels and all metadata.
 pub(super) fn decode_picture(bytes: &[u8], limits: &Limits) -> Result<Picture, ImageError> {
     let part = read_part(bytes, limits)?;
     let size = part.header.layer_size;
@@ -65,13 +62,13 @@ fn dimension(size: usize) -> Result<u32, ImageError> {
     size.ok_or_else(|| ImageError::malformed(FORMAT, "a window without pixels"))
 }
 
-/// The main layer's channels in the order of a [`Bitmap`].
+/// The channels of the main layer in the order of a [`Bitmap`].
 fn channel_indices(main: &MainLayer) -> Vec<usize> {
     let color = if main.is_grey { &main.color[..1] } else { &main.color[..] };
     color.iter().copied().chain(main.alpha).collect()
 }
 
-/// Interleaves channels: as halves if all are, else as floats.
+/// Interleaves channels: as halves if all are halves, else as floats.
 fn interleave(channels: &[&FlatSamples]) -> Samples {
     let halves: Option<Vec<&[f16]>> = channels
         .iter()
@@ -104,8 +101,8 @@ fn into_floats(samples: FlatSamples) -> Vec<f32> {
     }
 }
 
-/// The attributes that describe the picture, not the file, sorted by name. Types that
-/// [`MetadataValue`] has no place for are left out.
+/// The attributes that describe the picture rather than the file, sorted by name. Types without a
+/// [`MetadataValue`] are ignored.
 fn metadata(header: &Header) -> Vec<(String, MetadataValue)> {
     let mut found: Vec<(String, MetadataValue)> = header
         .all_named_attributes()

@@ -1,32 +1,32 @@
-//! Writes OpenEXR files: one part, rows from the top down, uncompressed or ZIP.
+//! Encodes OpenEXR files: one part, rows from top to bottom, uncompressed or ZIP.
 //!
-//! A writer of our own because the `exr` crate's keeps attributes in a randomly seeded hash map,
-//! so that the same picture would give another file at every run, and because its deflate takes
-//! several times as long. The format is described in "OpenEXR File Layout" (openexr.com).
+//! The `exr` crate's writer is not used, because it keeps attributes in a randomly seeded hash map,
+//! so the same picture would give different files, and because its deflate takes several times as
+//! long. The format is described in "OpenEXR File Layout" (openexr.com).
 
 use flate2::{Compress, Compression, FlushCompress, Status};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
 
-use super::{EncodeOptions, ExrCompression, ExrPrecision};
+use super::options::{EncodeOptions, ExrCompression, ExrPrecision};
 use crate::{ImageError, MetadataValue, Picture};
 
-/// Files with fewer bytes of samples than this are compressed on one thread.
+/// Files with fewer bytes of samples are compressed on one thread.
 const PARALLEL_BYTES: usize = 1 << 17;
 
-/// Deflate's effort. On renders of some hundred samples, 32-bit floats shrink by 3 % at level 2 and
-/// by 1 % at level 1 in half the time; levels up to 9 gain nothing more. Smooth textures shrink to
-/// 52 % at level 2, 69 % at level 1, 50 % at level 6 (in 2.4 times the time).
+/// The deflate level. On renders with some hundred samples per pixel, 32-bit floats shrink by 3 % at
+/// level 2, and by 1 % at level 1 in half the time; higher levels gain nothing more. Smooth
+/// textures shrink to 52 % at level 2, 69 % at level 1, and 50 % at level 6 (in 2.4 times the time).
 const DEFLATE_LEVEL: u32 = 2;
 
-/// Names may have up to this many bytes; those above 31 need a flag in the version field.
-const LONGEST_NAME: usize = 255;
+/// The maximum length of names in bytes; names above 31 bytes need a flag in the version field.
+const MAX_NAME_LENGTH: usize = 255;
 
 /// x and y of red, green, blue and white of ITU-R BT.709.
 const BT709: [f32; 8] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
 
-/// Attributes that describe the file itself; the writer sets them, metadata must not.
+/// Attributes that describe the file itself. The writer sets them; metadata must not.
 pub(super) const STRUCTURAL: [&str; 14] = [
     "channels",
     "chunkCount",
@@ -44,7 +44,7 @@ pub(super) const STRUCTURAL: [&str; 14] = [
     "version",
 ];
 
-/// Writes all channels, in the order of their names as the format demands, and all metadata.
+/// Encodes all channels, sorted by name as the format requires, and all metadata.
 pub(super) fn encode(picture: &Picture, options: &EncodeOptions) -> Result<Vec<u8>, ImageError> {
     let mut order: Vec<usize> = (0..picture.channels.len()).collect();
     order.sort_by_key(|&index| picture.channels[index].name.as_bytes());
@@ -65,7 +65,7 @@ pub(super) fn encode(picture: &Picture, options: &EncodeOptions) -> Result<Vec<u
     Ok(file)
 }
 
-/// A picture and how it lies in the file.
+/// A picture and its layout in the file.
 struct Layout<'a> {
     picture: &'a Picture,
     /// Indices of the channels in the order of their names.
@@ -88,12 +88,12 @@ impl Layout<'_> {
         }
     }
 
-    /// Bytes of one row of all channels.
+    /// The size of one row of all channels in bytes.
     fn row_bytes(&self) -> usize {
         self.picture.width as usize * self.order.len() * self.sample_bytes()
     }
 
-    /// Checks what the format cannot hold.
+    /// Checks that the picture fits the format.
     fn check(&self) -> Result<(), ImageError> {
         if self.order.is_empty() {
             return Err(ImageError::invalid_picture("it has no channels"));
@@ -115,7 +115,7 @@ impl Layout<'_> {
         Ok(())
     }
 
-    /// Magic number, version and all attributes.
+    /// The magic number, the version, and all attributes.
     fn header(&self) -> Result<Vec<u8>, ImageError> {
         let picture = self.picture;
         let names = picture.channels.iter().map(|channel| &channel.name);
@@ -154,8 +154,8 @@ impl Layout<'_> {
         Ok(file)
     }
 
-    /// The value of the attribute `channels`: per channel its name, number type, a flag for lossy
-    /// compression, three reserved bytes and the sampling in x and y.
+    /// The value of the attribute `channels`. Per channel: its name, sample type, a flag for lossy
+    /// compression, three reserved bytes, and the sampling in x and y.
     fn channel_list(&self) -> Vec<u8> {
         let kind: i32 = match self.options.exr_precision {
             ExrPrecision::Half => 1,
@@ -173,7 +173,7 @@ impl Layout<'_> {
         bytes
     }
 
-    /// All chunks, each with its header: the first row's y and the number of bytes that follow.
+    /// All chunks, each with its header: the y of the first row, and the number of bytes that follow.
     fn chunks(&self) -> Vec<Vec<u8>> {
         let rows_per_chunk = self.rows_per_chunk();
         let height = self.picture.height as usize;
@@ -189,26 +189,26 @@ impl Layout<'_> {
         }
     }
 
-    /// The chunk of the rows from `first` to before `end`.
+    /// The chunk of the rows `first..end`.
     fn chunk(&self, first: usize, end: usize) -> Vec<u8> {
         let raw = self.raw_rows(first, end);
-        let packed = match self.options.exr_compression {
+        let compressed = match self.options.exr_compression {
             ExrCompression::None => None,
             ExrCompression::Zip => deflate(&reorder_and_difference(&raw)),
         };
-        // By the format, data that compression does not shorten are stored as they are.
-        let body = packed.unwrap_or(raw);
-        // Within the data window, whose corners were checked to fit.
+        // The format requires data that compression does not shorten to be stored uncompressed.
+        let body = compressed.unwrap_or(raw);
+        // Inside the data window, whose corners have been checked.
         let y = (i64::from(self.picture.data_origin[1]) + first as i64) as i32;
         let mut chunk = Vec::with_capacity(body.len() + 8);
         chunk.extend_from_slice(&y.to_le_bytes());
-        // `check` has seen that a chunk stays below 2 GiB.
+        // `check` ensures that a chunk is smaller than 2 GiB.
         chunk.extend_from_slice(&(body.len() as u32).to_le_bytes());
         chunk.extend_from_slice(&body);
         chunk
     }
 
-    /// The samples of some rows: row by row, within a row channel by channel.
+    /// The samples of the rows `first..end`: row by row, and channel by channel in each row.
     fn raw_rows(&self, first: usize, end: usize) -> Vec<u8> {
         let width = self.picture.width as usize;
         let mut raw = Vec::with_capacity(self.row_bytes() * (end - first));
@@ -238,16 +238,18 @@ impl Layout<'_> {
     }
 }
 
-/// Checks a name's length and that it holds no zero byte, which would end it.
+/// Checks the length of a name, and that it has no zero byte, which would terminate it.
 fn check_name(what: &str, name: &str) -> Result<(), ImageError> {
-    if name.is_empty() || name.len() > LONGEST_NAME || name.contains('\0') {
-        let message = format!("{name:?} is no name for {what}: 1 to 255 bytes, none of them zero");
+    if name.is_empty() || name.len() > MAX_NAME_LENGTH || name.contains('\0') {
+        let message = format!(
+            "{name:?} is not a name for {what}: names have 1 to 255 bytes, none of them zero"
+        );
         return Err(ImageError::invalid_picture(message));
     }
     Ok(())
 }
 
-/// The value of a `box2i`: the first and the last pixel's coordinates, both within.
+/// The value of a `box2i`: the coordinates of the first and the last pixel, inclusive.
 fn window(x: i32, y: i32, width: u32, height: u32) -> Result<Vec<u8>, ImageError> {
     let last = |start: i32, size: u32| i32::try_from(i64::from(start) + i64::from(size) - 1).ok();
     let corners = last(x, width).zip(last(y, height));
@@ -262,12 +264,12 @@ fn attribute(file: &mut Vec<u8>, name: &str, kind: &str, value: &[u8]) {
     file.push(0);
     file.extend_from_slice(kind.as_bytes());
     file.push(0);
-    // The caller has checked the sizes of values that are not small by nature.
+    // The caller has checked the size of values of variable length.
     file.extend_from_slice(&(value.len() as u32).to_le_bytes());
     file.extend_from_slice(value);
 }
 
-/// The type's name and the bytes of an attribute's value.
+/// The type name and the bytes of an attribute's value.
 fn attribute_bytes(value: &MetadataValue) -> (&'static str, Vec<u8>) {
     match value {
         MetadataValue::Text(text) => ("string", text.as_bytes().to_vec()),
@@ -286,8 +288,9 @@ fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// Prepares bytes for deflate as ZIP does: first those at even places, then those at odd ones, so
-/// that exponents lie beside exponents; then each as its difference from the one before, plus 128.
+/// Prepares bytes for deflate as in OpenEXR's ZIP: bytes at even indices first, then those at odd
+/// indices, so that exponents are adjacent. Then each byte is replaced by its difference from the
+/// previous one, plus 128.
 fn reorder_and_difference(raw: &[u8]) -> Vec<u8> {
     let (even, odd) = (raw.iter().step_by(2), raw.iter().skip(1).step_by(2));
     let mut bytes: Vec<u8> = Vec::with_capacity(raw.len());
@@ -298,11 +301,11 @@ fn reorder_and_difference(raw: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Packs bytes as a zlib stream, or `None` if that does not make them fewer.
+/// Compresses bytes as a zlib stream, or returns `None` if that does not make them shorter.
 fn deflate(bytes: &[u8]) -> Option<Vec<u8>> {
-    // One byte less than the input: what does not fit is no gain.
-    let mut packed = Vec::with_capacity(bytes.len().saturating_sub(1));
+    // One byte less than the input: larger output is no gain.
+    let mut compressed = Vec::with_capacity(bytes.len().saturating_sub(1));
     let mut compress = Compress::new(Compression::new(DEFLATE_LEVEL), true);
-    let status = compress.compress_vec(bytes, &mut packed, FlushCompress::Finish).ok()?;
-    (status == Status::StreamEnd).then_some(packed)
+    let status = compress.compress_vec(bytes, &mut compressed, FlushCompress::Finish).ok()?;
+    (status == Status::StreamEnd).then_some(compressed)
 }

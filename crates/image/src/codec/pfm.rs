@@ -1,32 +1,32 @@
-//! Portable float maps: a header of text, then rows of floats from the bottom up.
+//! Portable float maps: a text header, then rows of floats from bottom to top.
 
 use crate::{Bitmap, ImageError, Limits, Picture, Samples};
 
 const FORMAT: &str = "PFM";
 
-/// Longest header that is looked through for its fields.
-const HEADER_LIMIT: usize = 256;
+/// The maximum length of a header in bytes.
+const MAX_HEADER_LENGTH: usize = 256;
 
-/// What a header says.
+/// The fields of a header.
 struct Header {
     width: u32,
     height: u32,
     channels: u32,
-    /// The magnitude scales all values; negative means little endian.
+    /// The magnitude scales all values; the sign is negative for little endian.
     scale: f32,
-    /// Where the samples begin.
+    /// The length of the header in bytes.
     length: usize,
 }
 
-/// Reads a grey (`Pf`) or RGB (`PF`) map of either byte order. Values are multiplied by the
-/// magnitude of the header's scale.
+/// Decodes a grey (`Pf`) or RGB (`PF`) map in either byte order. Values are multiplied by the
+/// magnitude of the scale in the header.
 pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError> {
     let header = parse_header(bytes)?;
     let (width, height, channels) = (header.width, header.height, header.channels);
     let count = limits.check(width.into(), height.into(), channels.into(), 4)?;
     let body = &bytes[header.length..];
     let Some(body) = body.get(..count.saturating_mul(4)) else {
-        let message = format!("{count} floats are announced, {} are there", body.len() / 4);
+        let message = format!("{count} floats are announced, but there are {}", body.len() / 4);
         return Err(ImageError::malformed(FORMAT, message));
     };
     let factor = header.scale.abs();
@@ -44,7 +44,7 @@ pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError
     Ok(Bitmap { width, height, channels, samples: Samples::F32(samples), srgb: false })
 }
 
-/// Writes the main layer: little endian, grey or RGB, without alpha.
+/// Encodes the main layer: little endian, grey or RGB, without alpha.
 pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
     let main = picture.require_main_layer()?;
     let (magic, indices) =
@@ -62,10 +62,10 @@ pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, ImageError> {
     Ok(bytes)
 }
 
-/// Reads magic, width, height and scale. Exactly one character of white space ends the header.
+/// Parses magic, width, height and scale. Exactly one whitespace character ends the header.
 fn parse_header(bytes: &[u8]) -> Result<Header, ImageError> {
     let malformed = |what: &str| ImageError::malformed(FORMAT, what);
-    let head = &bytes[..bytes.len().min(HEADER_LIMIT)];
+    let head = &bytes[..bytes.len().min(MAX_HEADER_LENGTH)];
     let mut position = 0;
     let mut next_field = || {
         let start = position + head[position..].iter().position(|b| !b.is_ascii_whitespace())?;
@@ -76,14 +76,14 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ImageError> {
     let channels = match next_field() {
         Some("PF") => 3,
         Some("Pf") => 1,
-        _ => return Err(malformed("the header does not begin with PF or Pf")),
+        _ => return Err(malformed("the header does not start with PF or Pf")),
     };
     let mut size = || next_field()?.parse::<u32>().ok().filter(|&size| size > 0);
     let width = size().ok_or_else(|| malformed("the width is not a positive integer"))?;
     let height = size().ok_or_else(|| malformed("the height is not a positive integer"))?;
     let scale = next_field().and_then(|field| field.parse::<f32>().ok());
     let scale = scale.filter(|scale| scale.is_finite() && *scale != 0.0);
-    let scale = scale.ok_or_else(|| malformed("the scale is not a number other than zero"))?;
+    let scale = scale.ok_or_else(|| malformed("the scale is not a finite number except zero"))?;
     Ok(Header { width, height, channels, scale, length: position })
 }
 
@@ -91,7 +91,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ImageError> {
 mod tests {
     use super::*;
 
-    /// A header, then floats in the given byte order.
+    /// A file with a header and floats in the given byte order.
     fn file(header: &str, values: &[f32], convert: fn(f32) -> [u8; 4]) -> Vec<u8> {
         let mut bytes = header.as_bytes().to_vec();
         bytes.extend(values.iter().flat_map(|&value| convert(value)));
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_come_from_the_bottom_up_in_either_byte_order() {
+    fn rows_are_read_from_bottom_to_top_in_either_byte_order() {
         let values = [1.0, 2.0, 3.0, 4.0];
         for bytes in [
             file("Pf\n2 2\n-1.0\n", &values, f32::to_le_bytes),
@@ -112,14 +112,14 @@ mod tests {
     }
 
     #[test]
-    fn the_scale_multiplies() {
+    fn values_are_multiplied_by_the_scale() {
         let bytes = file("PF\n1 1\n-2.5\n", &[1.0, 2.0, 4.0], f32::to_le_bytes);
         let bitmap = decode(&bytes, &Limits::default()).unwrap();
         assert_eq!(bitmap.samples, Samples::F32(vec![2.5, 5.0, 10.0]));
     }
 
     #[test]
-    fn headers_that_lie_are_refused() {
+    fn invalid_headers_are_rejected() {
         for header in [
             "PF\n",
             "PF\n0 1\n-1\n",

@@ -1,60 +1,61 @@
-//! Whether two renders of the same scene agree, block by block, within what their noise explains.
+//! A statistical test of whether two renders of a scene agree, block by block.
 
-use super::{ErrorMap, is_finite};
+use super::error_map::{ErrorMap, is_finite};
 use crate::{ColorImage, ImageError};
 
-/// An image, and how sure it is.
+/// An estimated image and its variance.
 #[derive(Debug, Clone, Copy)]
 pub struct Estimate<'a> {
     /// The image.
     pub mean: &'a ColorImage,
-    /// The variance of the mean, per pixel and channel: the samples' variance over their number.
+    /// The variance of the mean, per pixel and channel: the sample variance divided by their number.
     pub variance: &'a ColorImage,
 }
 
-/// When a block counts as off. Both conditions must hold, in at least one channel.
+/// The criteria for a block to differ. Both must hold in at least one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlockThresholds {
-    /// Edge of the square blocks, in pixels. Those at the right and bottom edge may be smaller.
+    /// The edge length of the square blocks in pixels. Blocks at the right and bottom edges may be
+    /// smaller.
     pub block_size: u32,
     /// The means differ by more than this many standard errors.
     pub standard_errors: f64,
-    /// The means differ by more than this share of the reference's. Zero asks for nothing.
+    /// The means differ by more than this fraction of the reference. Zero disables the criterion.
     pub relative_difference: f64,
 }
 
 impl Default for BlockThresholds {
-    /// Blocks of 8 × 8, four standard errors, no relative condition.
+    /// Blocks of 8 × 8, four standard errors, no relative criterion.
     fn default() -> Self {
         Self { block_size: 8, standard_errors: 4.0, relative_difference: 0.0 }
     }
 }
 
-/// What [`block_test`] found.
+/// The result of [`block_test`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockReport {
-    /// How many blocks there are.
+    /// The number of blocks.
     pub block_count: usize,
-    /// How many of them are off.
+    /// The number of blocks that differ.
     pub off_count: usize,
-    /// Per block the largest difference of the channels in standard errors; infinite where the
-    /// means differ but the variances say they are exact, or where an image is not finite. The
-    /// map has one value per block.
+    /// A map with one value per block: the largest difference of any channel in standard errors.
+    /// Infinite if the means differ although their variances are zero, or if an image is not
+    /// finite.
     pub standard_errors: ErrorMap,
 }
 
 impl BlockReport {
-    /// The share of blocks that are off, in [0, 1].
+    /// The fraction of blocks that differ, in [0, 1].
     pub fn share(&self) -> f64 {
         self.off_count as f64 / self.block_count as f64
     }
 }
 
-/// Compares the means of blocks with their standard errors.
+/// Compares the means of blocks relative to their standard errors.
 ///
-/// If both images are unbiased and the variances right, a block of many pixels is off by more than
-/// four standard errors once in some 16,000 channels by chance. A block with a NaN or an infinity
-/// is always off.
+/// If both images are unbiased and the variances are correct, the means of a block with many pixels
+/// differ by more than four standard errors in about one of 16,000 channels. A block with a NaN or
+/// an infinity always differs.
 ///
 /// # Errors
 /// [`ImageError`] if any sizes differ or there are no pixels.
@@ -91,13 +92,13 @@ pub fn block_test(
     Ok(BlockReport { block_count, off_count, standard_errors: ErrorMap::new(&size, values) })
 }
 
-/// Columns and rows of a block, each from the first to before the second.
+/// The ranges of columns and rows of a block, each with an exclusive end.
 struct Block {
     columns: [u32; 2],
     rows: [u32; 2],
 }
 
-/// Mean and variance of the mean of a block, per channel.
+/// The mean of a block and its variance, per channel.
 struct Summary {
     mean: [f64; 3],
     variance: [f64; 3],
@@ -128,7 +129,7 @@ impl Block {
     }
 }
 
-/// The largest difference in standard errors, and whether the block is off.
+/// The largest difference in standard errors, and whether the block differs.
 fn compare(a: &Summary, b: &Summary, thresholds: &BlockThresholds) -> (f64, bool) {
     if !a.is_finite || !b.is_finite {
         return (f64::INFINITY, true);
@@ -194,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn not_a_number_is_off() {
+    fn blocks_with_nan_differ() {
         let (mut mean, none) = (constant((8, 8), 1.0), constant((8, 8), 0.0));
         mean.pixels[3][1] = f32::NAN;
         let image = Estimate { mean: &mean, variance: &none };

@@ -1,32 +1,32 @@
-//! LDR-FLIP: how different two images look when flipped between on a display.
+//! LDR-FLIP: the perceived difference of two images that alternate on a display.
 //!
 //! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference
 //! Evaluator for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive
-//! Techniques 3(2), 2020. Section numbers below are the paper's. The spaces: YCxCz is a linear
-//! opponent space (luminance, red-green, blue-yellow) scaled as CIELAB is.
+//! Techniques 3(2), 2020. Section numbers below are the paper's. YCxCz is a linear opponent space
+//! (luminance, red-green, blue-yellow) scaled like CIELAB.
 
 use rayon::prelude::*;
 
-use super::{ErrorMap, is_finite};
+use super::error_map::{ErrorMap, is_finite};
 use crate::numeric::{Matrix, clamp_number, multiply};
 use crate::{ColorImage, ImageError};
 
-/// Pixels per degree of visual angle for a 0.7 m wide display of 3840 pixels seen from 0.7 m
+/// Pixels per degree of visual angle for a 0.7 m wide display of 3840 pixels at a distance of 0.7 m
 /// (section 3): 0.7 · 3840 / 0.7 · π / 180.
 pub const DEFAULT_PIXELS_PER_DEGREE: f32 = 67.020_64;
 
-/// Exponent of the colour difference, q_c (section 4.1.3).
+/// The exponent of the colour difference, q_c (section 4.1.3).
 const COLOR_EXPONENT: f32 = 0.7;
-/// Exponent of the feature difference, q_f (section 4.2.2).
+/// The exponent of the feature difference, q_f (section 4.2.2).
 const FEATURE_EXPONENT: f32 = 0.5;
-/// Share p_c of the largest colour difference that is mapped to [`KNEE_OUTPUT`] (section 4.1.3).
+/// The fraction p_c of the maximum colour difference that maps to [`KNEE_OUTPUT`] (section 4.1.3).
 const KNEE_INPUT: f32 = 0.4;
-/// Error p_t that the knee is mapped to (section 4.1.3).
+/// The error p_t that the knee maps to (section 4.1.3).
 const KNEE_OUTPUT: f32 = 0.95;
-/// Width of edges and points that are seen best, in degrees (section 4.2.1).
+/// The width of the most visible edges and points in degrees (section 4.2.1).
 const FEATURE_WIDTH: f32 = 0.082;
 
-/// CIE XYZ of linear BT.709, as ratios whose rows add up to the white point below.
+/// Linear BT.709 to CIE XYZ, as ratios whose rows add up to the white point below.
 const XYZ_OF_RGB: Matrix = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
@@ -43,10 +43,10 @@ const RGB_OF_XYZ: Matrix = [
 /// XYZ of white (D65).
 const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
 
-/// The error per pixel, from 0 (looks the same) to 1, and its mean.
+/// The error per pixel, from 0 (no visible difference) to 1, and its mean.
 ///
-/// Colours are linear and clamped to [0, 1], as a display does: expose and tone map before.
-/// [`DEFAULT_PIXELS_PER_DEGREE`] is the paper's display.
+/// Colours are linear and clamped to [0, 1], as by a display; apply exposure and tone mapping first.
+/// [`DEFAULT_PIXELS_PER_DEGREE`] is the display of the paper.
 ///
 /// # Errors
 /// [`ImageError`] if the sizes differ, there are no pixels, or `pixels_per_degree` is not between
@@ -58,7 +58,7 @@ pub fn flip(
 ) -> Result<ErrorMap, ImageError> {
     image.check_comparable(reference)?;
     if !(1.0..=1000.0).contains(&pixels_per_degree) {
-        let message = format!("{pixels_per_degree} pixels per degree are not between 1 and 1000");
+        let message = format!("{pixels_per_degree} pixels per degree is not between 1 and 1000");
         return Err(ImageError::invalid_picture(message));
     }
     let [(a_color, a_features), (b_color, b_features)] = [image, reference].map(|image| {
@@ -66,7 +66,7 @@ pub fn flip(
         let features = features(&opponent[0], pixels_per_degree);
         (perceived_colors(opponent, pixels_per_degree), features)
     });
-    let largest = largest_color_difference();
+    let largest = max_color_difference();
     let values = (0..image.pixels.len()).into_par_iter().map(|index| {
         if !is_finite(&image.pixels[index]) || !is_finite(&reference.pixels[index]) {
             return f32::NAN;
@@ -87,7 +87,7 @@ struct Plane {
     values: Vec<f32>,
 }
 
-/// The clamped image in YCxCz, channel by channel. NaN becomes black.
+/// The clamped image in YCxCz, one plane per channel. NaN becomes black.
 fn opponent_planes(image: &ColorImage) -> [Plane; 3] {
     let convert =
         |pixel: &[f32; 3]| opponent_of_rgb(pixel.map(|value| clamp_number(value, 0.0, 1.0)));
@@ -98,20 +98,20 @@ fn opponent_planes(image: &ColorImage) -> [Plane; 3] {
     })
 }
 
-/// A Gaussian of the contrast sensitivity functions: amplitude and scale (section 4.1.1, table 1).
+/// A Gaussian of the contrast sensitivity functions (section 4.1.1, table 1).
 struct Sensitivity {
     amplitude: f32,
     scale: f32,
 }
 
-/// Luminance, red-green and blue-yellow. The first two have a second Gaussian of amplitude zero.
+/// Luminance, red-green and blue-yellow. The second Gaussian of the first two has amplitude zero.
 const SENSITIVITIES: [&[Sensitivity]; 3] = [
     &[Sensitivity { amplitude: 1.0, scale: 0.0047 }],
     &[Sensitivity { amplitude: 1.0, scale: 0.0053 }],
     &[Sensitivity { amplitude: 34.1, scale: 0.04 }, Sensitivity { amplitude: 13.5, scale: 0.025 }],
 ];
 
-/// Blurs the channels as the eye does, and gives CIELAB with Hunt's effect (section 4.1).
+/// Filters the channels like the eye, and converts to CIELAB with the Hunt effect (section 4.1).
 fn perceived_colors(opponent: [Plane; 3], pixels_per_degree: f32) -> Vec<[f32; 3]> {
     let blurred: Vec<Plane> = opponent
         .iter()
@@ -127,7 +127,7 @@ fn perceived_colors(opponent: [Plane; 3], pixels_per_degree: f32) -> Vec<[f32; 3
         .collect()
 }
 
-/// Convolves with the sum of Gaussians, normalized. Each is separable, their sum is not.
+/// Convolves with the normalised sum of Gaussians. Each is separable, but their sum is not.
 fn blur(plane: &Plane, gaussians: &[Sensitivity], pixels_per_degree: f32) -> Plane {
     use std::f32::consts::PI;
     // Three standard deviations of the widest Gaussian of all channels.
@@ -157,8 +157,8 @@ fn blur(plane: &Plane, gaussians: &[Sensitivity], pixels_per_degree: f32) -> Pla
     Plane { width: plane.width, values: sum }
 }
 
-/// How strong edges and points are at each pixel (section 4.2.1): the lengths of the vectors of
-/// first and of second derivatives of a Gaussian, over luminance scaled to [0, 1].
+/// The strength of edges and points at each pixel (section 4.2.1): the lengths of the vectors of
+/// first and second derivatives of a Gaussian, over luminance scaled to [0, 1].
 fn features(luminance: &Plane, pixels_per_degree: f32) -> Vec<[f32; 2]> {
     let deviation = 0.5 * FEATURE_WIDTH * pixels_per_degree;
     let radius = (3.0 * deviation).ceil() as i32;
@@ -182,7 +182,7 @@ fn features(luminance: &Plane, pixels_per_degree: f32) -> Vec<[f32; 2]> {
     edges.into_iter().zip(points).map(|(edge, point)| [edge, point]).collect()
 }
 
-/// Scales positive weights to add up to one, negative ones to minus one.
+/// Scales positive weights to a sum of 1, and negative ones to a sum of −1.
 fn balance(weights: Vec<f32>) -> Vec<f32> {
     let positive: f32 = weights.iter().filter(|weight| **weight > 0.0).sum();
     let negative: f32 = -weights.iter().filter(|weight| **weight < 0.0).sum::<f32>();
@@ -190,8 +190,8 @@ fn balance(weights: Vec<f32>) -> Vec<f32> {
     weights.into_iter().map(scale).collect()
 }
 
-/// Convolves rows with one kernel of odd length, then columns with another. Beyond the border, the
-/// image continues as its outermost pixels.
+/// Convolves rows with one kernel of odd length, then columns with another. The outermost pixels are
+/// repeated beyond the border.
 fn convolve(plane: &Plane, along_x: &[f32], along_y: &[f32]) -> Plane {
     let width = plane.width;
     let height = plane.values.len() / width;
@@ -220,7 +220,7 @@ fn convolve(plane: &Plane, along_x: &[f32], along_y: &[f32]) -> Plane {
     Plane { width, values }
 }
 
-/// Maps a colour difference to [0, 1]: steep up to the knee, flat from there (section 4.1.3).
+/// Maps a colour difference to [0, 1]: steep up to the knee, flat beyond (section 4.1.3).
 fn redistribute(difference: f32, largest: f32) -> f32 {
     let knee = KNEE_INPUT * largest;
     if difference < knee {
@@ -230,15 +230,15 @@ fn redistribute(difference: f32, largest: f32) -> f32 {
     }
 }
 
-/// The difference between pure green and pure blue, the largest that a display can show.
-fn largest_color_difference() -> f32 {
+/// The difference between pure green and pure blue, the maximum of a display.
+fn max_color_difference() -> f32 {
     let green = hunt_adjusted_lab([0.0, 1.0, 0.0]);
     let blue = hunt_adjusted_lab([0.0, 0.0, 1.0]);
     hyab(green, blue).powf(COLOR_EXPONENT)
 }
 
 /// HyAB (Abasi, Tehran and Fairchild, "Distance metrics for very large color differences", 2020):
-/// city block in lightness, Euclidean in chroma.
+/// city-block distance in lightness, Euclidean in chroma.
 fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
     (a[0] - b[0]).abs() + (a[1] - b[1]).hypot(a[2] - b[2])
 }
