@@ -5,9 +5,9 @@
 
 use glam::{Mat3, Vec3};
 
-/// The Y row of the matrix from linear Rec. 709 to XYZ: what a unit of red, green and blue adds to
-/// the luminance. Sums to one.
-pub const LUMINANCE_WEIGHTS: [f32; 3] = {
+/// The Y row of the matrix from linear Rec. 709 to XYZ: the luminance of a unit of red, green and
+/// blue. Sums to 1.
+pub(crate) const LUMINANCE_WEIGHTS: [f32; 3] = {
     let [red, green, blue] = XYZ_FROM_RGB_ROWS[1];
     [red as f32, green as f32, blue as f32]
 };
@@ -44,19 +44,19 @@ pub fn rgb_to_xyz(rgb: [f32; 3]) -> [f32; 3] {
     (XYZ_FROM_RGB * Vec3::from_array(rgb)).to_array()
 }
 
-/// The linear Rec. 709 colour of CIE XYZ; lanes are negative where the colour is out of gamut.
+/// The linear Rec. 709 colour of CIE XYZ; components are negative if the colour is out of gamut.
 #[inline]
 #[must_use]
 pub fn xyz_to_rgb(xyz: [f32; 3]) -> [f32; 3] {
     (RGB_FROM_XYZ * Vec3::from_array(xyz)).to_array()
 }
 
-/// [`xyz_to_rgb`] for the sums over a spectrum, which are kept in double precision.
+/// [`xyz_to_rgb`] in double precision, for the sums over a spectrum.
 pub(crate) fn xyz_to_rgb_f64(xyz: [f64; 3]) -> [f64; 3] {
     RGB_FROM_XYZ_ROWS.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
 }
 
-/// The chromaticity x, y and the luminance Y of CIE XYZ. Black has the chromaticity of D65.
+/// The chromaticity x, y and luminance Y of CIE XYZ. Black has the chromaticity of D65.
 #[must_use]
 pub fn xyz_to_xyy([x, y, z]: [f32; 3]) -> [f32; 3] {
     let sum = x + y + z;
@@ -68,7 +68,7 @@ pub fn xyz_to_xyy([x, y, z]: [f32; 3]) -> [f32; 3] {
     [x / sum, y / sum, y]
 }
 
-/// CIE XYZ of a chromaticity x, y and a luminance Y; black where y is zero.
+/// CIE XYZ from a chromaticity x, y and luminance Y; black if y is zero.
 #[must_use]
 pub fn xyy_to_xyz([x, y, luminance]: [f32; 3]) -> [f32; 3] {
     if y == 0.0 {
@@ -78,8 +78,8 @@ pub fn xyy_to_xyz([x, y, luminance]: [f32; 3]) -> [f32; 3] {
     [x * sum, luminance, (1.0 - x - y) * sum]
 }
 
-/// The sRGB encoding of one linear component (IEC 61966-2-1). Components beyond 0..=1 follow the
-/// same curve, mirrored at zero, so that the round trip holds for every finite value.
+/// The sRGB encoding of a linear component (IEC 61966-2-1). The curve continues beyond 1 and is odd,
+/// so every finite value round-trips.
 #[must_use]
 pub fn linear_to_srgb(linear: f32) -> f32 {
     let magnitude = linear.abs();
@@ -91,7 +91,7 @@ pub fn linear_to_srgb(linear: f32) -> f32 {
     encoded.copysign(linear)
 }
 
-/// The linear component of an sRGB encoded one: the inverse of [`linear_to_srgb`].
+/// Decodes an sRGB component: the inverse of [`linear_to_srgb`].
 #[must_use]
 pub fn srgb_to_linear(encoded: f32) -> f32 {
     let magnitude = encoded.abs();
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn primaries_have_their_chromaticities() {
+    fn primaries_have_the_chromaticities_of_rec_709() {
         let primaries = [
             ([1.0, 0.0, 0.0], [0.640, 0.330]),
             ([0.0, 1.0, 0.0], [0.300, 0.600]),
@@ -147,14 +147,14 @@ mod tests {
     }
 
     #[test]
-    fn xyz_and_back_is_the_identity() {
+    fn xyz_round_trips() {
         for rgb in [[0.2, 0.5, 0.9], [0.0, 1.0, 0.0], [-0.1, 3.0, 7.0]] {
             assert_near(xyz_to_rgb(rgb_to_xyz(rgb)), rgb, 2e-5);
         }
     }
 
     #[test]
-    fn chromaticity_and_back_is_the_identity() {
+    fn chromaticities_round_trip() {
         for xyz in [[0.3, 0.4, 0.5], [0.95, 1.0, 1.09]] {
             assert_near(xyy_to_xyz(xyz_to_xyy(xyz)), xyz, 1e-6);
         }
@@ -167,16 +167,16 @@ mod tests {
     }
 
     #[test]
-    fn transfer_function_has_its_known_points() {
+    fn transfer_function_has_reference_values() {
         assert_eq!(linear_to_srgb(0.0), 0.0);
         assert!((linear_to_srgb(1.0) - 1.0).abs() < 1e-6);
-        // Middle grey: 18 % is 118 of 255, and encoded one half is 21.4 % linear.
+        // Middle grey: 18 % is 118 of 255; an encoded 0.5 is 21.4 % linear.
         assert!((linear_to_srgb(0.18) * 255.0 - 117.6).abs() < 0.1);
         assert!((srgb_to_linear(0.5) - 0.214_041).abs() < 1e-6);
     }
 
     #[test]
-    fn transfer_function_and_back_is_the_identity() {
+    fn transfer_function_round_trips() {
         for step in -60..=60_i16 {
             let linear = f32::from(step) / 40.0;
             let back = srgb_to_linear(linear_to_srgb(linear));

@@ -1,28 +1,27 @@
-//! Spectral data as linear Rec. 709 colour, the way Mitsuba 3's RGB variants read it.
+//! Conversion of spectral data to linear Rec. 709, as in Mitsuba 3's RGB variants.
 
 use crate::cie::{d65, integrate};
 use crate::color::xyz_to_rgb;
 use crate::{SampledSpectrum, Spectrum};
 
-/// What a spectrum in a scene stands for. It decides which illuminant the spectrum is seen under
-/// and which colours are possible.
+/// The meaning of a spectrum in a scene, which determines its illuminant and the valid range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SpectrumUse {
-    /// A reflectance, transmittance or albedo: seen under D65, so that a constant is grey; limited
-    /// to 0..=1 where sampled.
+    /// A reflectance, transmittance or albedo: seen under D65, so a constant is grey. Sampled
+    /// spectra are clamped to 0..=1.
     Reflectance,
-    /// A quantity without an upper bound, like a scattering coefficient: seen under D65, so that a
-    /// constant is grey; not negative where sampled.
+    /// A quantity without an upper bound, such as a scattering coefficient: seen under D65, so a
+    /// constant is grey. Sampled spectra are clamped to non-negative values.
     Unbounded,
-    /// Emitted light: taken as it is, so that a constant is equal-energy white, which is reddish
-    /// in Rec. 709 (its white is D65); not negative where sampled.
+    /// Emitted light: no illuminant, so a constant is equal-energy white, which is reddish in
+    /// Rec. 709 (its white is D65). Sampled spectra are clamped to non-negative values.
     Emission,
-    /// The real or imaginary part of a measured index of refraction: taken as it is where sampled
-    /// and not negative; a constant is the same in all components.
+    /// The real or imaginary part of a measured index of refraction. Sampled spectra have no
+    /// illuminant and are clamped to non-negative values; a constant is equal in all components.
     MeasuredIndex,
 }
 
-/// A spectrum as scenes write it.
+/// A spectrum as written in a scene.
 ///
 /// ```
 /// use etendue_spectrum::{SpectrumUse, SpectrumValue};
@@ -41,21 +40,21 @@ pub enum SpectrumValue {
 }
 
 impl SampledSpectrum {
-    /// The linear Rec. 709 colour, limited to what `usage` allows.
+    /// The linear Rec. 709 colour, clamped to the range of `usage`.
     ///
-    /// Mitsuba's sum over 1000 wavelengths from 360 to 830 nm, whose normalisation leaves a
-    /// reflectance of one at 0.9989.
+    /// The same sum over 1000 wavelengths from 360 to 830 nm as in Mitsuba, whose normalisation
+    /// gives 0.9989 for a reflectance of 1.
     #[must_use]
     pub fn to_rgb(&self, usage: SpectrumUse) -> [f32; 3] {
-        let highest = match usage {
+        let max = match usage {
             SpectrumUse::Reflectance => 1.0,
             SpectrumUse::Unbounded | SpectrumUse::Emission | SpectrumUse::MeasuredIndex => f32::MAX,
         };
-        self.to_rgb_unlimited(usage).map(|component| component.clamp(0.0, highest))
+        self.to_rgb_unlimited(usage).map(|component| component.clamp(0.0, max))
     }
 
-    /// The linear Rec. 709 colour as the integral gives it. It differs from [`Self::to_rgb`] where
-    /// the spectrum's colour lies outside the gamut, which a host may want to warn of.
+    /// The linear Rec. 709 colour without clamping. It differs from [`Self::to_rgb`] if the colour
+    /// is out of gamut, which is worth a warning.
     #[must_use]
     pub fn to_rgb_unlimited(&self, usage: SpectrumUse) -> [f32; 3] {
         let rgb = match usage {
@@ -71,8 +70,8 @@ impl SampledSpectrum {
 }
 
 impl SpectrumValue {
-    /// The linear Rec. 709 colour. Samples are limited to what `usage` allows; constants are not,
-    /// their bounds are their parameter's to check.
+    /// The linear Rec. 709 colour. Sampled spectra are clamped to the range of `usage`. Constants
+    /// are not: their range is checked by the parameter that they belong to.
     #[must_use]
     pub fn to_rgb(&self, usage: SpectrumUse) -> [f32; 3] {
         match self {
@@ -97,7 +96,7 @@ impl SpectrumValue {
 mod tests {
     use super::*;
 
-    /// Figures of Mitsuba 3.9.1 in the variant `scalar_rgb`, printed with six digits.
+    /// Compares with values that Mitsuba 3.9.1 prints with six digits in variant `scalar_rgb`.
     fn assert_mitsuba(actual: [f32; 3], expected: [f32; 3]) {
         for (a, e) in actual.iter().zip(expected) {
             assert!((a - e).abs() <= 1e-5 * e.abs().max(1.0), "{actual:?} instead of {expected:?}");
@@ -110,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn constants_are_grey_unless_they_shine() {
+    fn constants_are_grey_except_as_emission() {
         let half = SpectrumValue::Constant(0.5);
         assert_eq!(half.to_rgb(SpectrumUse::Reflectance), [0.5; 3]);
         assert_eq!(SpectrumValue::Constant(2.0).to_rgb(SpectrumUse::Unbounded), [2.0; 3]);
@@ -119,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn sampled_one_is_white_as_a_reflectance() {
+    fn sampled_ones_are_white_as_a_reflectance() {
         let white = sampled(&[(360.0, 1.0), (830.0, 1.0)]);
         assert_mitsuba(white.to_rgb(SpectrumUse::Reflectance), [0.998_985, 0.998_874, 0.998_802]);
         assert_mitsuba(white.to_rgb(SpectrumUse::Emission), [1.204_88, 0.948_228, 0.909_267]);
@@ -128,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_give_the_colors_of_mitsuba() {
+    fn sampled_spectra_have_the_colors_of_mitsuba() {
         let ramp = sampled(&[(400.0, 0.1), (500.0, 0.5), (700.0, 0.9)]);
         let under_daylight = [0.775_405, 0.593_508, 0.277_033];
         assert_mitsuba(ramp.to_rgb(SpectrumUse::Reflectance), under_daylight);
@@ -137,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn colors_beyond_the_gamut_are_limited() {
+    fn colors_out_of_gamut_are_clamped() {
         let bright = sampled(&[(400.0, 3.0), (700.0, 1.0)]);
         assert_eq!(bright.to_rgb(SpectrumUse::Reflectance), [1.0; 3]);
         assert_mitsuba(bright.to_rgb(SpectrumUse::Unbounded), [1.377_73, 2.046_36, 2.712_64]);

@@ -1,24 +1,24 @@
-//! Spectra of several paths at once.
+//! Spectra in SIMD lanes.
 
 use crate::Spectrum;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd};
 use std::ops::{Add, Div, Mul, Sub};
 
-/// A [`Spectrum`] over any [`Real`]: one for each lane.
+/// A [`Spectrum`] over any [`Real`]: one spectrum per lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpectrumLanes<R>([R; Spectrum::LANES]);
 
-// The functions of arrays take none of the closures that they are given in line, so the components
-// are named one by one.
+// The array methods do not inline the closures passed to them, so the components are listed one by
+// one.
 impl<R: Real> SpectrumLanes<R> {
-    /// A function of each component.
+    /// Applies a function to each component.
     #[inline(always)]
     #[must_use]
     pub fn map(self, function: impl Fn(R) -> R) -> Self {
         self.convert(function)
     }
 
-    /// A function of each component in turn, to numbers of another kind.
+    /// Applies a function to each component, which may change the number type.
     #[inline(always)]
     #[must_use]
     pub fn convert<T: Real>(self, mut function: impl FnMut(R) -> T) -> SpectrumLanes<T> {
@@ -26,7 +26,7 @@ impl<R: Real> SpectrumLanes<R> {
         SpectrumLanes([function(a), function(b), function(c)])
     }
 
-    /// A function of each pair of components.
+    /// Applies a function to each pair of components.
     #[inline(always)]
     #[must_use]
     pub fn zip(self, other: Self, function: impl Fn(R, R) -> R) -> Self {
@@ -34,14 +34,14 @@ impl<R: Real> SpectrumLanes<R> {
         Self([function(a, x), function(b, y), function(c, z)])
     }
 
-    /// The same value in every component.
+    /// The same value in all components.
     #[inline(always)]
     #[must_use]
     pub fn grey(value: R) -> Self {
         Self([value; Spectrum::LANES])
     }
 
-    /// The greatest component.
+    /// The maximum component.
     #[inline(always)]
     #[must_use]
     pub fn max_component(self) -> R {
@@ -64,7 +64,7 @@ impl<R: Real> SpectrumLanes<R> {
         self.map(R::sqrt)
     }
 
-    /// Each component limited to `low..=high`. A NaN stays, so that it is found.
+    /// Clamps each component to `low..=high`. NaN is kept, so that it is detected later.
     #[inline(always)]
     #[must_use]
     pub fn clamp(self, low: f32, high: f32) -> Self {
@@ -73,7 +73,7 @@ impl<R: Real> SpectrumLanes<R> {
         high.zip(low.zip(self, R::max), R::min)
     }
 
-    /// The quotient of each pair of components, and zero where the divisor is zero.
+    /// The quotient of each pair of components, or zero where the divisor is zero.
     #[inline(always)]
     #[must_use]
     pub fn safe_div(self, divisor: Self) -> Self {
@@ -106,7 +106,7 @@ impl<S: Simd> SpectrumLanes<Lanes<S>> {
         Self([Lanes::splat(simd, a), Lanes::splat(simd, b), Lanes::splat(simd, c)])
     }
 
-    /// Spectra from memory; see [`Lanes::load`].
+    /// Loads from one array per component; see [`Lanes::load`].
     #[inline(always)]
     #[must_use]
     pub fn load(simd: S, arrays: &[LaneArray; Spectrum::LANES], first: usize) -> Self {
@@ -118,7 +118,7 @@ impl<S: Simd> SpectrumLanes<Lanes<S>> {
         ])
     }
 
-    /// Spectra to memory; see [`Lanes::store`].
+    /// Stores to one array per component; see [`Lanes::store`].
     #[inline(always)]
     pub fn store(self, arrays: &mut [LaneArray; Spectrum::LANES], first: usize) {
         for (component, array) in self.0.into_iter().zip(arrays) {
@@ -128,7 +128,7 @@ impl<S: Simd> SpectrumLanes<Lanes<S>> {
 }
 
 impl SpectrumLanes<f32> {
-    /// Puts the spectrum in one lane of columns in memory.
+    /// Writes the spectrum to one lane of the columns.
     #[inline(always)]
     pub fn put(self, arrays: &mut [LaneArray; Spectrum::LANES], lane: usize) {
         for (component, array) in self.0.into_iter().zip(arrays) {
@@ -136,7 +136,7 @@ impl SpectrumLanes<f32> {
         }
     }
 
-    /// The spectrum in one lane of columns in memory.
+    /// Reads the spectrum in one lane of the columns.
     #[inline(always)]
     #[must_use]
     pub fn take(arrays: &[LaneArray; Spectrum::LANES], lane: usize) -> Self {
@@ -201,7 +201,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_lane_is_a_spectrum() {
+    fn one_lane_equals_a_spectrum() {
         let (a, b) = (Spectrum::from([0.1, 0.7, 3.0]), Spectrum::from([0.3, 0.0, 2.0]));
         let (x, y) = (SpectrumLanes::<f32>::from(a), SpectrumLanes::<f32>::from(b));
         assert_eq!(Spectrum::from(x * y), a * b);

@@ -1,8 +1,8 @@
 //! Spectra, colour spaces, blackbody emission and measured metals.
 //!
-//! [`Spectrum`] is what light and reflectance are carried in while rendering. Everything else
-//! here runs while a scene is read: [`SpectrumValue`] and [`SampledSpectrum`] hold spectral data
-//! and turn it into colour, [`metal`] and [`refractive_index`] know named materials.
+//! [`Spectrum`] represents light and reflectance during rendering. Everything else is for loading a
+//! scene: [`SpectrumValue`] and [`SampledSpectrum`] hold spectral data and convert it to colour;
+//! [`metal`] and [`refractive_index`] look up named materials.
 #![forbid(unsafe_code)]
 
 mod blackbody;

@@ -2,15 +2,15 @@
 
 use crate::{SampledSpectrum, SpectrumUse, SpectrumValue};
 
-/// Sources are in `data/README.md`.
+/// Measured metals; the sources are in `data/README.md`.
 const METALS: &str = include_str!("../data/metals.txt");
 
 const REFRACTIVE_INDICES: &str = include_str!("../data/refractive_indices.txt");
 
-/// What a line of [`METALS`] that begins a metal starts with.
+/// The prefix of a line in [`METALS`] that starts a metal.
 const METAL_HEADING: &str = "metal ";
 
-/// The name of the perfect mirror: a conductor without measurements.
+/// The name of the perfect mirror, a conductor without measurements.
 const PERFECT_MIRROR: &str = "none";
 
 /// The complex index of refraction η + i·k of a conductor, relative to vacuum.
@@ -18,7 +18,7 @@ const PERFECT_MIRROR: &str = "none";
 pub struct Metal {
     /// The real part.
     pub eta: SpectrumValue,
-    /// The imaginary part, which absorbs.
+    /// The imaginary part (absorption).
     pub k: SpectrumValue,
 }
 
@@ -36,8 +36,8 @@ impl Metal {
     }
 }
 
-/// A metal by the name that Mitsuba's `conductor` gives it, such as `Au` or `Cu_palik`, case and
-/// all. `none` is the perfect mirror, η = 0 and k = 1. `None` for other names.
+/// A metal by its (case-sensitive) name in Mitsuba's `conductor`, such as `Au` or `Cu_palik`.
+/// `none` is the perfect mirror, η = 0 and k = 1. `None` for unknown names.
 #[must_use]
 pub fn metal(name: &str) -> Option<Metal> {
     if name == PERFECT_MIRROR {
@@ -58,14 +58,14 @@ pub fn metal(name: &str) -> Option<Metal> {
     Some(Metal { eta: SpectrumValue::Sampled(eta), k: SpectrumValue::Sampled(k) })
 }
 
-/// The names that [`metal`] knows: first `none`, then the measured ones by alphabet.
+/// The names that [`metal`] knows: `none`, then the measured ones in alphabetical order.
 pub fn metal_names() -> impl Iterator<Item = &'static str> {
     let measured = METALS.lines().filter_map(|line| line.strip_prefix(METAL_HEADING));
     std::iter::once(PERFECT_MIRROR).chain(measured)
 }
 
-/// The index of refraction of a dielectric at 589 nm, relative to vacuum, by the name that
-/// Mitsuba's `int_ior` and `ext_ior` take, such as `bk7` or `water ice`. Case does not matter.
+/// The index of refraction of a dielectric at 589 nm, relative to vacuum, by its name in Mitsuba's
+/// `int_ior` and `ext_ior`, such as `bk7` or `water ice`. Case-insensitive.
 #[must_use]
 pub fn refractive_index(name: &str) -> Option<f32> {
     refractive_indices()
@@ -73,12 +73,12 @@ pub fn refractive_index(name: &str) -> Option<f32> {
         .and_then(|(index, _)| index.parse().ok())
 }
 
-/// The names that [`refractive_index`] knows: gases, then liquids, then solids.
+/// The names that [`refractive_index`] knows: gases, liquids, then solids.
 pub fn refractive_index_names() -> impl Iterator<Item = &'static str> {
     refractive_indices().map(|(_, name)| name)
 }
 
-/// Index and name of each dielectric, as text.
+/// The index (as text) and name of each dielectric.
 fn refractive_indices() -> impl Iterator<Item = (&'static str, &'static str)> {
     REFRACTIVE_INDICES
         .lines()
@@ -90,7 +90,7 @@ fn refractive_indices() -> impl Iterator<Item = (&'static str, &'static str)> {
 mod tests {
     use super::*;
 
-    /// What Mitsuba 3.9.1 in `scalar_rgb` makes of every material: name, η in RGB, k in RGB.
+    /// The values of Mitsuba 3.9.1 in `scalar_rgb` for all materials: name, η in RGB, k in RGB.
     const MITSUBA: &str = include_str!("../data/metals_rgb.txt");
 
     #[test]
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn gold_is_yellow_and_keeps_its_measurements() {
+    fn gold_is_yellow_and_has_its_measured_values() {
         let gold = metal("Au").expect("a known metal");
         let SpectrumValue::Sampled(eta) = &gold.eta else { panic!("gold was measured") };
         assert_eq!((eta.wavelengths_nm()[1], eta.values()[1]), (302.400_42, 1.812));
@@ -125,14 +125,14 @@ mod tests {
     }
 
     #[test]
-    fn unknown_metals_are_refused() {
+    fn unknown_metals_are_rejected() {
         for name in ["", "au", "Au ", "Unobtainium", "metal Au", "#"] {
             assert_eq!(metal(name), None, "{name:?}");
         }
     }
 
     #[test]
-    fn dielectrics_are_known_by_name() {
+    fn dielectrics_are_found_by_name() {
         assert_eq!(refractive_index("vacuum"), Some(1.0));
         assert_eq!(refractive_index("bk7"), Some(1.5046));
         assert_eq!(refractive_index("Water Ice"), Some(1.31));

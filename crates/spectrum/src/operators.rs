@@ -1,4 +1,4 @@
-//! Arithmetic of [`Spectrum`] with spectra and numbers, lane by lane.
+//! Component-wise arithmetic of [`Spectrum`] with spectra and numbers.
 
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -57,8 +57,8 @@ impl Sum for Spectrum {
     }
 }
 
-/// The forms of one operator that follow from `Spectrum ∘ Spectrum`. A number becomes
-/// [`Spectrum::splat`], whose spare lane is zero: an infinite factor leaves the spare lane alone.
+/// Derives the other forms of an operator from `Spectrum ∘ Spectrum`. A number becomes
+/// [`Spectrum::splat`], whose spare component is zero, so an infinite factor does not affect it.
 macro_rules! derive_operator_forms {
     ($operator:ident, $method:ident, $assign_operator:ident, $assign_method:ident) => {
         impl $operator<f32> for Spectrum {
@@ -108,7 +108,7 @@ mod tests {
     const RIGHT: Spectrum = Spectrum::from_rgb([2.0, 4.0, 8.0]);
 
     #[test]
-    fn operators_work_lane_by_lane() {
+    fn operators_are_component_wise() {
         assert_eq!((LEFT + RIGHT).rgb(), [3.0, 6.0, 11.0]);
         assert_eq!((LEFT - RIGHT).rgb(), [-1.0, -2.0, -5.0]);
         assert_eq!((LEFT * RIGHT).rgb(), [2.0, 8.0, 24.0]);
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_stand_on_either_side() {
+    fn numbers_work_on_either_side() {
         assert_eq!((LEFT + 1.0).rgb(), [2.0, 3.0, 4.0]);
         assert_eq!((1.0 - LEFT).rgb(), [0.0, -1.0, -2.0]);
         assert_eq!(2.0 * LEFT, LEFT * 2.0);
@@ -136,19 +136,19 @@ mod tests {
     }
 
     #[test]
-    fn sums_start_from_black() {
+    fn empty_sums_are_black() {
         assert_eq!([LEFT, RIGHT, LEFT].into_iter().sum::<Spectrum>(), LEFT * 2.0 + RIGHT);
         assert_eq!(std::iter::empty::<Spectrum>().sum::<Spectrum>(), Spectrum::ZERO);
     }
 
     #[test]
-    fn live_lanes_divided_by_zero_are_not_hidden() {
+    fn division_by_zero_is_not_hidden() {
         assert_eq!((LEFT / 0.0).rgb(), [f32::INFINITY; 3]);
         assert!((Spectrum::ZERO / Spectrum::ZERO)[1].is_nan());
     }
 
     #[test]
-    fn no_operator_wakes_the_spare_lane() {
+    fn operators_keep_the_spare_component_zero() {
         let infinite = Spectrum::splat(f32::INFINITY);
         let results = [
             LEFT / Spectrum::ZERO,

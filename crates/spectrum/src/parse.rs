@@ -1,4 +1,4 @@
-//! Spectra as text: `.spd` files and the `wavelength:value` pairs of scene files.
+//! Parsing of spectra: `.spd` files and the `wavelength:value` pairs of scene files.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,35 +6,35 @@ use std::str::FromStr;
 use crate::sampled::SampleError;
 use crate::{SampledSpectrum, SpectrumValue};
 
-/// How much of a bad token an error repeats.
+/// The maximum length of a bad token in an error message.
 const EXCERPT_CHARACTERS: usize = 32;
 
-/// Why the text of an `.spd` file is not a spectrum.
+/// Why the text of an `.spd` file is not a valid spectrum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpdError {
-    /// The line, counted from one. The last line where there are too few samples.
+    /// The line, starting at one; the last line if there are too few samples.
     pub line: usize,
-    /// What is wrong there.
+    /// The problem.
     pub cause: SampleError,
 }
 
-/// Why a parameter's text is not a spectrum.
+/// Why the text of a parameter is not a valid spectrum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectrumValueError {
-    /// The `wavelength:value` pair, counted from one; the last where there are too few.
+    /// The `wavelength:value` pair, starting at one; the last pair if there are too few.
     pub pair: usize,
-    /// What is wrong there.
+    /// The problem.
     pub cause: SampleError,
 }
 
-/// The spectrum in the text of an `.spd` file: a wavelength in nanometres and a value on each
-/// line, separated by spaces, tabs or a comma. From `#` to the end of a line is a comment.
+/// Parses an `.spd` file: a wavelength in nanometres and a value per line, separated by spaces, tabs
+/// or a comma. A comment extends from `#` to the end of the line.
 ///
-/// Further columns are ignored, as Mitsuba does; wavelengths must increase.
+/// Further columns are ignored, as in Mitsuba. Wavelengths must increase.
 ///
 /// # Errors
 ///
-/// With the first line that does not hold a sample, or whose wavelength or value is not allowed.
+/// For the first line that is not a sample, or whose wavelength or value is invalid.
 pub fn parse_spd(text: &str) -> Result<SampledSpectrum, SpdError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut spectrum = SampledSpectrum::empty();
@@ -51,7 +51,7 @@ pub fn parse_spd(text: &str) -> Result<SampledSpectrum, SpdError> {
     spectrum.finish().map_err(|cause| SpdError { line: line_number, cause })
 }
 
-/// Reads one number, a constant, or `wavelength:value` pairs separated by commas or white space.
+/// Parses a single number (a constant), or `wavelength:value` pairs separated by commas or spaces.
 impl FromStr for SpectrumValue {
     type Err = SpectrumValueError;
 
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn files_hold_a_sample_a_line() {
+    fn files_have_one_sample_per_line() {
         let expected = [(400.0, 1.0), (700.0, -0.25)];
         for text in [
             "400 1\n700 -0.25\n",
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn malformed_files_are_refused_with_their_line() {
+    fn malformed_files_are_rejected_with_their_line() {
         let not_a_number = |text: &str| SampleError::NotANumber(text.to_owned());
         let cases = [
             ("", 0, SampleError::TooFew),
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_repeat_little_of_a_long_token() {
+    fn errors_shorten_long_tokens() {
         let error = parse_spd(&"é".repeat(1_000_000)).expect_err("not a number");
         assert!(error.to_string().len() < 200 && error.to_string().starts_with("line 1: "));
     }
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn malformed_parameters_are_refused_with_their_pair() {
+    fn malformed_parameters_are_rejected_with_their_pair() {
         let not_a_number = |text: &str| SampleError::NotANumber(text.to_owned());
         let cases = [
             ("", 1, SampleError::TooFew),
@@ -221,7 +221,7 @@ mod tests {
         })]
 
         #[test]
-        fn what_is_accepted_is_a_spectrum(text in "[0-9 .:,e#\\-\n]{0,40}|\\PC{0,40}") {
+        fn accepted_text_is_a_valid_spectrum(text in "[0-9 .:,e#\\-\n]{0,40}|\\PC{0,40}") {
             let from_file = parse_spd(&text).ok();
             let from_parameter = match text.parse() {
                 Ok(SpectrumValue::Sampled(spectrum)) => Some(spectrum),

@@ -1,38 +1,38 @@
-//! [`SampledSpectrum`]: a function of wavelength, known at some wavelengths and linear between.
+//! [`SampledSpectrum`]: a piecewise linear function of wavelength.
 
 use std::fmt;
 
-/// A spectrum given by its values at increasing wavelengths; linear between them, zero outside.
+/// A spectrum given by samples at increasing wavelengths: linear between them, zero outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledSpectrum {
     wavelengths_nm: Vec<f32>,
     values: Vec<f32>,
 }
 
-/// What is wrong with a sample of a [`SampledSpectrum`].
+/// A problem with the samples of a [`SampledSpectrum`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum SampleError {
     /// A wavelength or a value is infinite or NaN.
     NotFinite,
-    /// A wavelength is not larger than the one before.
+    /// A wavelength is not greater than the one before.
     NotIncreasing,
     /// There are fewer than two samples.
     TooFew,
-    /// There are not as many values as wavelengths.
+    /// The numbers of values and wavelengths differ.
     LengthsDiffer,
     /// A sample has no value, or no wavelength.
     Incomplete,
-    /// This text, shortened to a few characters, stands where a number is expected.
+    /// This text, shortened to a few characters, is not a number.
     NotANumber(String),
 }
 
 impl SampledSpectrum {
-    /// A spectrum from samples, in order of wavelength (nanometres).
+    /// A spectrum from samples in the order of their wavelengths (in nanometres).
     ///
     /// # Errors
     ///
-    /// If there are fewer than two samples or not as many values as wavelengths, if a number is
-    /// not finite, or if the wavelengths do not increase.
+    /// If there are fewer than two samples, if the numbers of wavelengths and values differ, if a
+    /// number is not finite, or if the wavelengths do not increase.
     pub fn new(wavelengths_nm: Vec<f32>, values: Vec<f32>) -> Result<Self, SampleError> {
         if wavelengths_nm.len() != values.len() {
             return Err(SampleError::LengthsDiffer);
@@ -50,14 +50,14 @@ impl SampledSpectrum {
         &self.wavelengths_nm
     }
 
-    /// The values of the samples, one for each wavelength; finite.
+    /// The values of the samples, one per wavelength; finite.
     #[must_use]
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// The value at a wavelength in nanometres: linear between samples, zero beyond the first and
-    /// the last, and at NaN.
+    /// The value at a wavelength in nanometres: linear between samples, zero outside of them and at
+    /// NaN.
     #[must_use]
     pub fn interpolate(&self, wavelength_nm: f64) -> f64 {
         let above = self.wavelengths_nm.partition_point(|&w| f64::from(w) <= wavelength_nm);
@@ -74,7 +74,7 @@ impl SampledSpectrum {
         (1.0 - t) * left_value + t * f64::from(self.values[above])
     }
 
-    /// A spectrum to [`push`](Self::push) samples to.
+    /// An empty spectrum to [`push`](Self::push) samples to.
     pub(crate) fn empty() -> Self {
         Self { wavelengths_nm: Vec::new(), values: Vec::new() }
     }
@@ -92,7 +92,7 @@ impl SampledSpectrum {
         Ok(())
     }
 
-    /// The spectrum, once all samples are in.
+    /// The finished spectrum.
     pub(crate) fn finish(self) -> Result<Self, SampleError> {
         if self.values.len() < 2 { Err(SampleError::TooFew) } else { Ok(self) }
     }
@@ -103,10 +103,12 @@ impl fmt::Display for SampleError {
         match self {
             Self::NotFinite => write!(formatter, "a number is not finite"),
             Self::NotIncreasing => write!(formatter, "the wavelengths do not increase"),
-            Self::TooFew => write!(formatter, "a spectrum has at least two samples"),
-            Self::LengthsDiffer => write!(formatter, "not as many values as wavelengths"),
+            Self::TooFew => write!(formatter, "a spectrum needs at least two samples"),
+            Self::LengthsDiffer => {
+                write!(formatter, "the numbers of values and wavelengths differ")
+            }
             Self::Incomplete => {
-                write!(formatter, "a sample is a wavelength in nanometres and a value")
+                write!(formatter, "a sample needs a wavelength in nanometres and a value")
             }
             Self::NotANumber(text) => write!(formatter, "“{text}” is not a number"),
         }
@@ -124,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_joined_by_lines() {
+    fn values_between_samples_are_interpolated_linearly() {
         assert_eq!(ramp().interpolate(400.0), 1.0);
         assert_eq!(ramp().interpolate(450.0), 2.0);
         assert_eq!(ramp().interpolate(500.0), 3.0);
@@ -133,14 +135,14 @@ mod tests {
     }
 
     #[test]
-    fn outside_the_samples_is_zero() {
+    fn values_outside_the_samples_are_zero() {
         for wavelength in [399.999, 700.001, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert_eq!(ramp().interpolate(wavelength), 0.0);
         }
     }
 
     #[test]
-    fn bad_samples_are_refused() {
+    fn invalid_samples_are_rejected() {
         let error = |wavelengths: &[f32], values: &[f32]| {
             SampledSpectrum::new(wavelengths.to_vec(), values.to_vec()).expect_err("invalid")
         };

@@ -1,4 +1,4 @@
-//! [`Spectrum`]: the value that light, reflectance and transmittance are carried in.
+//! [`Spectrum`]: the representation of light, reflectance and transmittance.
 
 use std::ops::Index;
 
@@ -8,28 +8,28 @@ use crate::color::LUMINANCE_WEIGHTS;
 
 /// A colour-dependent quantity: radiance, reflectance, a scattering coefficient.
 ///
-/// Four lanes in one SIMD register. Today they are linear Rec. 709 red, green, blue and a spare;
-/// the spare lane is zero and every operation keeps it so, even where a live lane becomes
-/// infinite or NaN. Code outside this crate treats a spectrum as a whole and does not ask what a
-/// lane means, so that four wavelengths can take the lanes' place later.
+/// Three components in one SIMD register, which has a fourth, spare one. Today, they are linear
+/// Rec. 709 red, green and blue. The spare component is zero, and every operation keeps it zero,
+/// even if another component becomes infinite or NaN. Code outside this crate does not depend on
+/// the meaning of the components, so that four wavelengths can replace them later.
 ///
-/// Arithmetic is lane by lane and follows IEEE 754: a live lane divided by zero is infinite or
-/// NaN. [`Spectrum::safe_div`] is the division that gives zero instead.
+/// Arithmetic is component-wise and follows IEEE 754: a component divided by zero is infinite or
+/// NaN. [`Spectrum::safe_div`] gives zero instead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(transparent)]
 pub struct Spectrum(pub(crate) Vec4);
 
 impl Spectrum {
-    /// Zero in every lane: no light.
+    /// Zero in every component: no light.
     pub const ZERO: Self = Self(Vec4::ZERO);
 
-    /// One in every live lane: light that passes unchanged.
+    /// One in every component: light that passes unchanged.
     pub const ONE: Self = Self::splat(1.0);
 
-    /// How many lanes carry a value, and the bound of the index in `spectrum[lane]`.
+    /// The number of components, and the bound of the index in `spectrum[component]`.
     pub const LANES: usize = 3;
 
-    /// The same value in every live lane.
+    /// The same value in every component.
     #[inline]
     #[must_use]
     pub const fn splat(value: f32) -> Self {
@@ -47,121 +47,120 @@ impl Spectrum {
     #[inline]
     #[must_use]
     pub fn rgb(self) -> [f32; 3] {
-        self.live().to_array()
+        self.xyz().to_array()
     }
 
-    /// The live lanes.
+    /// The components.
     #[inline(always)]
     pub(crate) fn components(self) -> [f32; Self::LANES] {
-        self.live().to_array()
+        self.xyz().to_array()
     }
 
-    /// A spectrum from its live lanes.
+    /// A spectrum from its components.
     #[inline(always)]
     pub(crate) const fn from_components([a, b, c]: [f32; Self::LANES]) -> Self {
         Self(Vec4::new(a, b, c, 0.0))
     }
 
-    /// The largest of the live lanes; any lane or NaN where one is NaN.
+    /// The maximum component. If one is NaN, the result is any component or NaN.
     #[inline]
     #[must_use]
     pub fn max_component(self) -> f32 {
-        self.live().max_element()
+        self.xyz().max_element()
     }
 
-    /// The smallest of the live lanes; any lane or NaN where one is NaN.
+    /// The minimum component. If one is NaN, the result is any component or NaN.
     #[inline]
     #[must_use]
     pub fn min_component(self) -> f32 {
-        self.live().min_element()
+        self.xyz().min_element()
     }
 
-    /// The mean of the live lanes.
+    /// The mean of the components.
     #[inline]
     #[must_use]
     pub fn mean(self) -> f32 {
-        self.live().element_sum() / Self::LANES as f32
+        self.xyz().element_sum() / Self::LANES as f32
     }
 
-    /// The relative luminance, CIE Y, of a Rec. 709 colour: 1 for [`Spectrum::ONE`].
+    /// The relative luminance (CIE Y) of a Rec. 709 colour: 1 for [`Spectrum::ONE`].
     #[inline]
     #[must_use]
     pub fn luminance(self) -> f32 {
-        self.live().dot(Vec3::from_array(LUMINANCE_WEIGHTS))
+        self.xyz().dot(Vec3::from_array(LUMINANCE_WEIGHTS))
     }
 
-    /// Whether every lane is exactly zero. A NaN is not black.
+    /// Whether every component is exactly zero. NaN is not black.
     #[inline]
     #[must_use]
     pub fn is_black(self) -> bool {
         self.0 == Vec4::ZERO
     }
 
-    /// Whether no lane is infinite or NaN.
+    /// Whether no component is infinite or NaN.
     #[inline]
     #[must_use]
     pub fn is_finite(self) -> bool {
         self.0.is_finite()
     }
 
-    /// Whether a lane lies below zero. A NaN does not.
+    /// Whether any component is negative. NaN is not.
     #[inline]
     #[must_use]
     pub fn has_negative(self) -> bool {
         self.0.cmplt(Vec4::ZERO).any()
     }
 
-    /// The square root of each lane; NaN where the lane is negative.
+    /// The square root of each component; NaN if the component is negative.
     #[inline]
     #[must_use]
     pub fn sqrt(self) -> Self {
         Self(self.0.sqrt())
     }
 
-    /// The exponential of each live lane, as in the transmittance exp(−σ·t).
+    /// The exponential of each component, as in the transmittance exp(−σ·t).
     #[inline]
     #[must_use]
     pub fn exp(self) -> Self {
         self.map(f32::exp)
     }
 
-    /// The absolute value of each lane.
+    /// The absolute value of each component.
     #[inline]
     #[must_use]
     pub fn abs(self) -> Self {
         Self(self.0.abs())
     }
 
-    /// The smaller of two spectra, lane by lane. A NaN in `self` stays, so that it is found.
+    /// The component-wise minimum. NaN in `self` is kept, so that it is detected later.
     #[inline]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self(Vec4::select(self.0.cmpgt(other.0), other.0, self.0))
     }
 
-    /// The larger of two spectra, lane by lane. A NaN in `self` stays, so that it is found.
+    /// The component-wise maximum. NaN in `self` is kept, so that it is detected later.
     #[inline]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self(Vec4::select(self.0.cmplt(other.0), other.0, self.0))
     }
 
-    /// Each live lane limited to `low..=high`. A NaN stays, so that it is found.
+    /// Clamps each component to `low..=high`. NaN is kept, so that it is detected later.
     #[inline]
     #[must_use]
     pub fn clamp(self, low: f32, high: f32) -> Self {
         self.max(Self::splat(low)).min(Self::splat(high))
     }
 
-    /// `self` at `t` = 0, `other` at `t` = 1 (both exactly), and on the line through them
-    /// elsewhere.
+    /// Linear interpolation: exactly `self` at `t` = 0, and exactly `other` at `t` = 1.
     #[inline]
     #[must_use]
     pub fn lerp(self, other: Self, t: f32) -> Self {
         self * (1.0 - t) + other * t
     }
 
-    /// The quotient lane by lane, and zero where the divisor is zero.
+    /// The component-wise quotient, or zero where the divisor is zero.
     #[inline]
     #[must_use]
     pub fn safe_div(self, divisor: Self) -> Self {
@@ -169,20 +168,20 @@ impl Spectrum {
         Self(Vec4::select(is_zero, Vec4::ZERO, self.0 / divisor.0))
     }
 
-    /// `function` of each live lane.
+    /// Applies a function to each component.
     #[inline]
     #[must_use]
     pub fn map(self, function: impl Fn(f32) -> f32) -> Self {
         Self::from_rgb(self.rgb().map(function))
     }
 
-    /// The live lanes without the spare.
+    /// The components without the spare one.
     #[inline]
-    fn live(self) -> Vec3 {
+    fn xyz(self) -> Vec3 {
         self.0.truncate()
     }
 
-    /// This spectrum as a divisor: its spare lane is one, so that the quotient's is 0 / 1 = 0.
+    /// This spectrum as a divisor: its spare component is 1, so that of the quotient is 0 / 1 = 0.
     #[inline]
     pub(crate) fn divisor(self) -> Vec4 {
         self.0.with_w(1.0)
@@ -196,7 +195,7 @@ impl From<[f32; 3]> for Spectrum {
     }
 }
 
-/// Access to one live lane, for estimators that pick a lane at random.
+/// Access to one component, for estimators that choose one at random.
 ///
 /// # Panics
 ///
@@ -205,8 +204,8 @@ impl Index<usize> for Spectrum {
     type Output = f32;
 
     #[inline]
-    fn index(&self, lane: usize) -> &f32 {
-        &self.0.as_ref()[..Self::LANES][lane]
+    fn index(&self, component: usize) -> &f32 {
+        &self.0.as_ref()[..Self::LANES][component]
     }
 }
 
@@ -217,7 +216,7 @@ mod tests {
     const COLOUR: Spectrum = Spectrum::from_rgb([0.25, 0.5, 2.0]);
 
     #[test]
-    fn the_components_come_back_as_they_went_in() {
+    fn components_round_trip() {
         assert_eq!(COLOUR.rgb(), [0.25, 0.5, 2.0]);
         assert_eq!(Spectrum::from([0.25, 0.5, 2.0]), COLOUR);
         assert_eq!([COLOUR[0], COLOUR[1], COLOUR[2]], COLOUR.rgb());
@@ -225,12 +224,12 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "out of bounds")]
-    fn the_spare_lane_cannot_be_indexed() {
+    fn the_spare_component_cannot_be_indexed() {
         let _ = COLOUR[Spectrum::LANES];
     }
 
     #[test]
-    fn reductions_ignore_the_spare_lane() {
+    fn reductions_ignore_the_spare_component() {
         let negative = Spectrum::splat(-2.0);
         assert_eq!(negative.max_component(), -2.0);
         assert_eq!(Spectrum::splat(3.0).min_component(), 3.0);
@@ -246,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn blackness_finiteness_and_sign_are_told_apart() {
+    fn black_non_finite_and_negative_spectra_are_distinguished() {
         let not_a_number = Spectrum::from_rgb([0.0, f32::NAN, 0.0]);
         assert!(Spectrum::ZERO.is_black() && (-Spectrum::ZERO).is_black());
         assert!(!not_a_number.is_black() && !not_a_number.is_finite());
@@ -258,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn functions_apply_to_each_lane() {
+    fn functions_apply_to_each_component() {
         assert_eq!(Spectrum::from_rgb([4.0, 9.0, 0.25]).sqrt().rgb(), [2.0, 3.0, 0.5]);
         assert_eq!(Spectrum::ZERO.exp(), Spectrum::ONE);
         assert_eq!((-COLOUR).abs(), COLOUR);
@@ -269,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_do_not_hide_a_nan() {
+    fn clamping_does_not_hide_nan() {
         let not_a_number = Spectrum::from_rgb([0.5, f32::NAN, 7.0]);
         let results = [
             not_a_number.clamp(0.0, 1.0),
@@ -290,13 +289,13 @@ mod tests {
     }
 
     #[test]
-    fn safe_division_gives_zero_where_the_divisor_is_zero() {
+    fn safe_division_by_zero_gives_zero() {
         let divisor = Spectrum::from_rgb([0.0, 0.25, -0.0]);
         assert_eq!(COLOUR.safe_div(divisor).rgb(), [0.0, 2.0, 0.0]);
     }
 
     #[test]
-    fn no_function_wakes_the_spare_lane() {
+    fn functions_keep_the_spare_component_zero() {
         let hostile = Spectrum::from_rgb([f32::INFINITY, f32::NAN, -1.0]);
         let results = [
             hostile.sqrt(),

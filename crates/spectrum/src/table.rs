@@ -1,11 +1,12 @@
-//! Reading a table of numbers at compile time, so that a malformed data file does not build.
+//! Parses tables of numbers at compile time, so that a malformed data file fails the build.
 
-/// The rows of a text table: numbers separated by spaces, one row a line, `#` lines are comments.
+/// Parses a text table: one row per line, numbers separated by spaces, comments in lines that start
+/// with `#`.
 ///
 /// # Panics
 ///
-/// If the text does not hold exactly `ROWS` rows of `COLUMNS` numbers. Meant for constants, where
-/// that is an error of the compiler.
+/// If the text does not have exactly `ROWS` rows of `COLUMNS` numbers. For constants, this is a
+/// compile-time error.
 pub(crate) const fn parse_table<const ROWS: usize, const COLUMNS: usize>(
     text: &str,
 ) -> [[f64; COLUMNS]; ROWS] {
@@ -21,18 +22,18 @@ pub(crate) const fn parse_table<const ROWS: usize, const COLUMNS: usize>(
             while column < COLUMNS {
                 (table[row][column], position) = parse_decimal(bytes, position);
                 let separator = if column + 1 == COLUMNS { b'\n' } else { b' ' };
-                assert!(bytes[position] == separator, "a row with another number of columns");
+                assert!(bytes[position] == separator, "a row has the wrong number of columns");
                 position += 1;
                 column += 1;
             }
             row += 1;
         }
     }
-    assert!(row == ROWS, "a table with another number of rows");
+    assert!(row == ROWS, "the table has the wrong number of rows");
     table
 }
 
-/// Where the line after the one at `position` begins.
+/// The start of the line after the one at `position`.
 const fn end_of_line(bytes: &[u8], mut position: usize) -> usize {
     while bytes[position] != b'\n' {
         position += 1;
@@ -40,8 +41,8 @@ const fn end_of_line(bytes: &[u8], mut position: usize) -> usize {
     position + 1
 }
 
-/// The unsigned decimal number at `position` and where it ends. Its digits, read as one integer,
-/// stay below 2⁵³ and the power of ten below 10²², so that one division rounds correctly.
+/// The unsigned decimal number at `position`, and its end. Its digits as an integer stay below 2⁵³
+/// and the power of ten below 10²², so that one division is correctly rounded.
 const fn parse_decimal(bytes: &[u8], mut position: usize) -> (f64, usize) {
     let mut digits: u64 = 0;
     let mut divisor: u64 = 1;
@@ -57,7 +58,7 @@ const fn parse_decimal(bytes: &[u8], mut position: usize) -> (f64, usize) {
         position += 1;
     }
     assert!(position > begin, "not a number");
-    assert!(digits < 1 << 53, "more digits than a double holds");
+    assert!(digits < 1 << 53, "more digits than a double can represent");
     (digits as f64 / divisor as f64, position)
 }
 
@@ -73,13 +74,13 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "columns")]
-    fn a_missing_column_is_refused() {
+    fn a_missing_column_is_rejected() {
         parse_table::<1, 2>("1\n2\n");
     }
 
     #[test]
     #[should_panic(expected = "rows")]
-    fn a_missing_row_is_refused() {
+    fn a_missing_row_is_rejected() {
         parse_table::<2, 1>("1\n");
     }
 }
