@@ -1,8 +1,8 @@
-//! Running moments and tests of means: normal with known variance, Student's t, Welch's.
+//! Running moments, and tests of means: normal with known variance, Student's t, Welch's.
 
 use crate::special::{normal_tail, student_two_sided};
 
-/// Mean and variance of a stream of numbers (Welford, 1962).
+/// The mean and variance of a stream of numbers (Welford, 1962).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Accumulator {
     count: u64,
@@ -11,7 +11,7 @@ pub struct Accumulator {
 }
 
 impl Accumulator {
-    /// Takes one more number in.
+    /// Adds a number.
     pub fn add(&mut self, value: f64) {
         self.count += 1;
         let deviation = value - self.mean;
@@ -19,33 +19,33 @@ impl Accumulator {
         self.squared_deviations += deviation * (value - self.mean);
     }
 
-    /// The union of two streams (Chan, Golub and LeVeque, 1979).
+    /// Adds all numbers of another accumulator (Chan, Golub and LeVeque, 1979).
     pub fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
         }
         let total = (self.count + other.count) as f64;
         let difference = other.mean - self.mean;
-        let share = other.count as f64 / total;
+        let fraction = other.count as f64 / total;
         self.squared_deviations +=
-            other.squared_deviations + difference * difference * self.count as f64 * share;
-        self.mean += difference * share;
+            other.squared_deviations + difference * difference * self.count as f64 * fraction;
+        self.mean += difference * fraction;
         self.count += other.count;
     }
 
-    /// How many numbers were taken in.
+    /// The number of numbers added.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// The sample mean; zero of nothing.
+    /// The sample mean; zero for an empty sample.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// The unbiased sample variance; infinite below two numbers, about which nothing is known.
+    /// The unbiased sample variance; infinite (unknown) for fewer than two numbers.
     #[must_use]
     pub fn variance(&self) -> f64 {
         if self.count < 2 {
@@ -71,39 +71,40 @@ impl FromIterator<f64> for Accumulator {
     }
 }
 
-/// What a two-sided test of a mean found.
+/// The result of a two-sided test of a mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TestOutcome {
-    /// The test's statistic: deviations in units of the standard error.
+    /// The test statistic: the deviation in units of the standard error.
     pub statistic: f64,
-    /// The probability of a statistic at least as far out, if the hypothesis holds.
+    /// The probability of a statistic at least as extreme, if the hypothesis is true.
     pub p_value: f64,
 }
 
 impl TestOutcome {
-    /// Whether the hypothesis stands at this significance level (0.01: one false alarm in 100).
+    /// Whether the hypothesis is accepted at this significance level (0.01: one false alarm in 100).
     ///
-    /// A NaN among the numbers makes the p-value NaN, which never stands.
+    /// If a number is NaN, so is the p-value, and the hypothesis is rejected.
     #[must_use]
     pub fn accepts(&self, significance: f64) -> bool {
         self.p_value >= significance
     }
 
     fn new(deviation: f64, error: f64, two_sided: impl Fn(f64) -> f64) -> Self {
-        // Without any spread, equality decides.
+        // Without variance, equality decides.
         let statistic = if deviation == 0.0 { 0.0 } else { deviation / error };
         Self { statistic, p_value: two_sided(statistic) }
     }
 }
 
-/// Is the mean `expected`, where each number has the known `variance`? (z-test)
+/// Tests whether the mean is `expected`, if each number has the known `variance` (z-test).
 #[must_use]
 pub fn z_test(sample: &Accumulator, expected: f64, variance: f64) -> TestOutcome {
     let error = (variance / sample.count().max(1) as f64).sqrt();
     TestOutcome::new(sample.mean() - expected, error, |z| 2.0 * normal_tail(z.abs()))
 }
 
-/// Is the mean `expected`, the variance being estimated from the sample? (Student's t-test)
+/// Tests whether the mean is `expected`; the variance is estimated from the sample (Student's
+/// t-test).
 #[must_use]
 pub fn t_test(sample: &Accumulator, expected: f64) -> TestOutcome {
     let degrees = sample.count().saturating_sub(1).max(1) as f64;
@@ -112,14 +113,15 @@ pub fn t_test(sample: &Accumulator, expected: f64) -> TestOutcome {
     })
 }
 
-/// Have both samples the same mean, their variances being unknown and unequal? (Welch, 1947)
+/// Tests whether two samples have the same mean; their variances are unknown and may differ (Welch,
+/// 1947).
 #[must_use]
 pub fn welch(first: &Accumulator, second: &Accumulator) -> TestOutcome {
     let squared = |sample: &Accumulator| sample.standard_error().powi(2);
     let (a, b) = (squared(first), squared(second));
-    let less_one = |sample: &Accumulator| sample.count().saturating_sub(1).max(1) as f64;
-    // The Welch–Satterthwaite equation; two samples without spread have no say in it.
-    let fourth = a * a / less_one(first) + b * b / less_one(second);
+    let degrees_of = |sample: &Accumulator| sample.count().saturating_sub(1).max(1) as f64;
+    // The Welch–Satterthwaite equation, which does not apply to two samples without variance.
+    let fourth = a * a / degrees_of(first) + b * b / degrees_of(second);
     let degrees = if fourth > 0.0 { (a + b).powi(2) / fourth } else { 1.0 };
     TestOutcome::new(first.mean() - second.mean(), (a + b).sqrt(), |t| {
         student_two_sided(degrees, t)
@@ -155,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn tests_accept_the_truth_and_reject_a_shift() {
+    fn tests_accept_the_true_mean_and_reject_a_shift() {
         let mut random = TestRng::new(4);
         let sample: Accumulator = (0..10_000).map(|_| random.normal()).collect();
         let wider: Accumulator = (0..4_000).map(|_| 3.0 * random.normal()).collect();
@@ -181,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn nan_and_missing_spread_are_decided() {
+    fn nan_and_zero_variance_are_decided() {
         let broken: Accumulator = [1.0, f64::NAN, 1.0].into_iter().collect();
         assert!(!t_test(&broken, 1.0).accepts(1e-9));
         let constant: Accumulator = [2.0; 5].into_iter().collect();

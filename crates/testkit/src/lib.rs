@@ -1,7 +1,7 @@
-//! Statistical tests (chi-squared, z, Welch), quadrature and a small generator, for tests.
+//! Statistical tests (chi-squared, z, Welch), quadrature and a random number generator, for tests.
 //!
-//! A development dependency of the other crates. Everything is deterministic: a check draws from a
-//! [`TestRng`] of fixed seed, so that it passes or fails the same way everywhere.
+//! A development dependency of the other crates. Everything is deterministic: tests draw from a
+//! [`TestRng`] with a fixed seed, so that they pass or fail the same way everywhere.
 //!
 //! ```
 //! use etendue_testkit::ChiSquare;
@@ -20,10 +20,14 @@
 mod chi2;
 mod hypothesis;
 mod partition;
+mod pearson;
 pub mod quadrature;
 mod random;
-pub mod special;
+mod rectangle;
+mod special;
 
-pub use chi2::{ChiSquare, ChiSquareOutcome, Rejection, chi2_discrete};
+pub use chi2::ChiSquare;
 pub use hypothesis::{Accumulator, TestOutcome, t_test, welch, z_test};
+pub use pearson::{ChiSquareOutcome, Rejection, chi2_discrete};
 pub use random::TestRng;
+pub use rectangle::Rectangle;

@@ -1,43 +1,44 @@
-//! The cells of a χ² test: a grid, cut finer where a pilot run finds the samples crowded.
+//! The cells of a χ² test: a grid that is refined where a pilot run finds many samples.
 
-use crate::quadrature::Rectangle;
+use crate::rectangle::{Rectangle, crowded_axis};
 use glam::DVec2;
 
-/// A cell is cut while it holds more than this many times its even share of the pilot samples.
+/// A cell is split while it holds more than this many times its even share of the pilot samples.
 const CROWDING: usize = 3;
 /// A coarser grid is refined as if it had this many cells.
 const MIN_CELLS: usize = 64;
-/// Cells are not cut below this many pilot samples.
+/// Cells with this many pilot samples or fewer are not split.
 const MIN_PILOTS: usize = 40;
-/// Cuts allowed to a cell of the grid: its area shrinks by 2⁴⁰ at most.
-const MAX_CUTS: u32 = 40;
+/// The maximum number of splits per cell of the grid: its area shrinks by at most 2⁴⁰.
+const MAX_SPLITS: u32 = 40;
 
-/// The unit square cut into rectangles. The cuts follow from pilot samples alone, so that a test on
+/// A partition of the unit square into rectangles. It depends only on pilot samples, so the test of
 /// other samples stays exact.
 pub(crate) struct Partition {
     resolution: (usize, usize),
-    /// One tree per cell of the grid first, the nodes below them after.
+    /// First the root of one tree per cell of the grid, then the nodes below them.
     nodes: Vec<Node>,
     cells: Vec<PartitionCell>,
 }
 
 /// One rectangle of a partition.
 pub(crate) struct PartitionCell {
-    /// Where it is.
+    /// Its area.
     pub(crate) rectangle: Rectangle,
     /// The pilot samples inside.
     pub(crate) pilots: Vec<DVec2>,
 }
 
+/// A node of the trees.
 enum Node {
     /// An index into the cells.
     Leaf(usize),
-    /// Points below `position` along `axis` go to node `first`, the others to the next.
-    Cut { axis: usize, position: f64, first: usize },
+    /// Points below `position` along `axis` go to node `first`, the others to `first + 1`.
+    Split { axis: usize, position: f64, first: usize },
 }
 
 impl Partition {
-    /// The grid of `resolution` (columns, rows), refined by `pilots` inside [0, 1]².
+    /// The grid of `resolution` (columns, rows), refined by `pilots` in [0, 1]².
     pub(crate) fn new(resolution: (usize, usize), pilots: &[DVec2]) -> Self {
         let resolution = (resolution.0.max(1), resolution.1.max(1));
         let count = resolution.0 * resolution.1;
@@ -51,31 +52,30 @@ impl Partition {
         for (index, pilots) in buckets.into_iter().enumerate() {
             let place = (index % resolution.0, index / resolution.0);
             let rectangle = Rectangle::UNIT.cell(place, resolution);
-            partition.cut(index, PartitionCell { rectangle, pilots }, limit, MAX_CUTS);
+            partition.split(index, PartitionCell { rectangle, pilots }, limit, MAX_SPLITS);
         }
         partition
     }
 
-    /// All cells.
     pub(crate) fn cells(&self) -> &[PartitionCell] {
         &self.cells
     }
 
-    /// The index of the cell that holds `point` of [0, 1]².
+    /// The index of the cell that contains `point` of [0, 1]².
     pub(crate) fn find(&self, point: DVec2) -> usize {
         let mut index = grid_index(self.resolution, point);
         loop {
             match self.nodes[index] {
                 Node::Leaf(cell) => return cell,
-                Node::Cut { axis, position, first } => {
+                Node::Split { axis, position, first } => {
                     index = first + usize::from(point[axis] >= position);
                 }
             }
         }
     }
 
-    fn cut(&mut self, node: usize, cell: PartitionCell, limit: usize, cuts_left: u32) {
-        if cell.pilots.len() <= limit || cuts_left == 0 {
+    fn split(&mut self, node: usize, cell: PartitionCell, limit: usize, splits_left: u32) {
+        if cell.pilots.len() <= limit || splits_left == 0 {
             self.nodes[node] = Node::Leaf(self.cells.len());
             self.cells.push(cell);
             return;
@@ -85,24 +85,14 @@ impl Partition {
         let [low, high] = halves[axis];
         let first = self.nodes.len();
         let position = high.min[axis];
-        self.nodes[node] = Node::Cut { axis, position, first };
+        self.nodes[node] = Node::Split { axis, position, first };
         self.nodes.extend([Node::Leaf(0), Node::Leaf(0)]);
         let (below, above) = cell.pilots.into_iter().partition(|pilot| pilot[axis] < position);
         let low = PartitionCell { rectangle: low, pilots: below };
         let high = PartitionCell { rectangle: high, pilots: above };
-        self.cut(first, low, limit, cuts_left - 1);
-        self.cut(first + 1, high, limit, cuts_left - 1);
+        self.split(first, low, limit, splits_left - 1);
+        self.split(first + 1, high, limit, splits_left - 1);
     }
-}
-
-/// The axis (0 or 1) whose two halves share the points less evenly.
-pub(crate) fn crowded_axis(halves: &[[Rectangle; 2]; 2], points: &[DVec2]) -> usize {
-    let imbalance = |axis: usize| {
-        let position = halves[axis][1].min[axis];
-        let low = points.iter().filter(|point| point[axis] < position).count();
-        low.abs_diff(points.len() - low)
-    };
-    usize::from(imbalance(1) > imbalance(0))
 }
 
 fn grid_index((columns, rows): (usize, usize), point: DVec2) -> usize {
@@ -140,9 +130,9 @@ mod tests {
     }
 
     #[test]
-    fn identical_pilots_do_not_cut_for_ever() {
+    fn identical_pilots_do_not_split_forever() {
         let partition = Partition::new((1, 1), &[DVec2::splat(0.7); 1000]);
-        assert_eq!(partition.cells().len(), MAX_CUTS as usize + 1);
+        assert_eq!(partition.cells().len(), MAX_SPLITS as usize + 1);
         assert_eq!(partition.find(DVec2::ONE), partition.find(DVec2::splat(0.999)));
     }
 }

@@ -1,27 +1,28 @@
-//! Numeric integration: Gauss–Legendre, adaptive Simpson, adaptive cubature of rectangles and spheres.
+//! Numerical integration: Gauss–Legendre, adaptive Simpson, adaptive cubature of rectangles and
+//! spheres.
 
-use crate::partition::crowded_axis;
+use crate::rectangle::{Rectangle, crowded_axis};
 use glam::{DVec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// How far the cubature's outer nodes stay off the edges, in half widths: an edge of the density
-/// that lies on an edge of the rectangle belongs to neither side.
+/// The distance of the cubature's outer nodes from the edges in half widths: a discontinuity of the
+/// density on an edge of the rectangle belongs to neither side.
 const EDGE_INSET: f64 = 1e-6;
-/// Halvings allowed to a rectangle: enough to shrink either side by 2²⁰.
+/// The maximum number of halvings of a rectangle: either side can shrink by 2²⁰.
 const MAX_DEPTH: u32 = 40;
-/// Rectangles that one integral may look at; noise in the last digits of a function stops here.
+/// The maximum number of rectangles per integral, which stops the refinement of rounding noise.
 const MAX_RECTANGLES: u32 = 100_000;
-/// Fewer guide points than this in one place are put down to chance.
+/// Fewer guide points than this in one rectangle may be chance.
 const MIN_GUIDES: usize = 3;
-/// A rectangle that seems to hold less than this share of what its guides stand for hides a peak.
-const GUIDED_SHARE: f64 = 0.1;
+/// A rectangle hides a peak if its estimate is below this fraction of the mass of its guides.
+const GUIDED_FRACTION: f64 = 0.1;
 
 /// The nodes and weights of the Gauss–Legendre rule with `count` nodes on [−1, 1].
 ///
 /// The rule is exact for polynomials of degree 2 `count` − 1. Newton's iteration on the Legendre
 /// polynomial (*Numerical Recipes*, 4.6).
 #[must_use]
-pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let order = count as f64;
     (0..count)
         .map(|index| {
@@ -41,7 +42,7 @@ pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The Legendre polynomial of this degree (≥ 1) and its derivative at `x` inside (−1, 1).
+/// The Legendre polynomial of a degree (≥ 1) and its derivative, at `x` in (−1, 1).
 fn legendre(degree: usize, x: f64) -> (f64, f64) {
     let (mut previous, mut current) = (1.0, x);
     for k in 2..=degree {
@@ -51,7 +52,7 @@ fn legendre(degree: usize, x: f64) -> (f64, f64) {
     (current, degree as f64 * (x * current - previous) / (x * x - 1.0))
 }
 
-/// ∫ `function` from `start` to `end` by the Gauss–Legendre rule with `count` nodes.
+/// ∫ `function` from `start` to `end`, by the Gauss–Legendre rule with `count` nodes.
 pub fn integrate_gauss(function: impl Fn(f64) -> f64, start: f64, end: f64, count: usize) -> f64 {
     let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
     half * gauss_legendre(count)
@@ -60,10 +61,11 @@ pub fn integrate_gauss(function: impl Fn(f64) -> f64, start: f64, end: f64, coun
         .sum::<f64>()
 }
 
-/// ∫ `function` from `start` to `end` to about the absolute `tolerance`, by adaptive Simpson.
+/// ∫ `function` from `start` to `end` to about the absolute `tolerance`, by adaptive Simpson
+/// quadrature.
 ///
-/// The interval is first cut into 16, so that a peak wider than a hundredth of it is seen; each is
-/// halved at most 30 times (Lyness, 1969, with Richardson's correction).
+/// The interval is first divided in 16, so that peaks wider than a hundredth of it are found. Each
+/// part is halved at most 30 times (Lyness, 1969, with Richardson's correction).
 pub fn adaptive_simpson(
     function: impl Fn(f64) -> f64,
     start: f64,
@@ -81,7 +83,7 @@ pub fn adaptive_simpson(
         .sum()
 }
 
-/// One panel of Simpson's rule with the values it has already paid for.
+/// A panel of Simpson's rule, with the values computed so far.
 struct Panel {
     start: f64,
     end: f64,
@@ -116,68 +118,28 @@ impl Panel {
     }
 }
 
-/// An axis-aligned rectangle of the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rectangle {
-    /// The corner with the smaller coordinates.
-    pub min: DVec2,
-    /// The corner with the larger coordinates.
-    pub max: DVec2,
-}
-
-impl Rectangle {
-    /// The unit square.
-    pub const UNIT: Self = Self { min: DVec2::ZERO, max: DVec2::ONE };
-
-    /// Cell (`column`, `row`) of this rectangle cut into `columns` × `rows`.
-    #[must_use]
-    pub fn cell(&self, (column, row): (usize, usize), (columns, rows): (usize, usize)) -> Self {
-        let size = self.max - self.min;
-        let corner = |column: usize, row: usize| {
-            let share = DVec2::new(column as f64 / columns as f64, row as f64 / rows as f64);
-            self.min + size * share
-        };
-        Self { min: corner(column, row), max: corner(column + 1, row + 1) }
-    }
-
-    /// The two halves along axis 0 (x) or 1 (y).
-    pub(crate) fn halves(&self, axis: usize) -> [Self; 2] {
-        let mut halves = [*self; 2];
-        let middle = 0.5 * (self.min[axis] + self.max[axis]);
-        halves[0].max[axis] = middle;
-        halves[1].min[axis] = middle;
-        halves
-    }
-
-    /// Whether `point` lies inside or on the lower edges.
-    pub(crate) fn contains(&self, point: DVec2) -> bool {
-        point.cmpge(self.min).all() && point.cmplt(self.max).all()
-    }
-}
-
-/// Points drawn from (about) the density that is integrated.
+/// Points drawn from (approximately) the density to be integrated.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Guides<'a> {
-    /// Where they are.
-    pub points: &'a [DVec2],
-    /// The share of the integral that each of them stands for.
-    pub mass: f64,
+pub(crate) struct Guides<'a> {
+    /// The points.
+    pub(crate) points: &'a [DVec2],
+    /// The fraction of the integral that each point stands for.
+    pub(crate) mass: f64,
 }
 
-/// Adaptive cubature of one function over rectangles, by a tensor Lobatto rule and halving.
+/// Adaptive cubature of a function over rectangles, by a tensor Lobatto rule and halving.
 ///
 /// A rectangle is halved along the axis that changes the estimate most, until the change is below
-/// the tolerance. [`Guides`] show where a peak narrower than the rule's nodes hides.
-pub struct Cubature<'a, F> {
+/// the tolerance. [`Guides`] reveal peaks that are narrower than the distance of the nodes.
+pub(crate) struct Cubature<'a, F> {
     function: &'a F,
     rule: [(f64, f64); 5],
 }
 
 impl<'a, F: Fn(DVec2) -> f64> Cubature<'a, F> {
-    /// A cubature of `function`.
-    pub fn new(function: &'a F) -> Self {
-        // Exact for polynomials up to degree 7 in each variable. Unlike Gauss's, Lobatto's nodes
-        // reach the edges: a discontinuity has no strip there to hide in.
+    pub(crate) fn new(function: &'a F) -> Self {
+        // Exact for polynomials up to degree 7 in each variable. Unlike Gauss nodes, Lobatto nodes
+        // reach the edges, so a discontinuity cannot hide in a strip there.
         let (inner, outer) = ((3.0_f64 / 7.0).sqrt(), 1.0 - EDGE_INSET);
         let rule = [
             (-outer, 1.0 / 10.0),
@@ -190,7 +152,12 @@ impl<'a, F: Fn(DVec2) -> f64> Cubature<'a, F> {
     }
 
     /// The integral over `rectangle` to about the absolute `tolerance`.
-    pub fn integrate(&self, rectangle: Rectangle, tolerance: f64, guides: Guides<'_>) -> f64 {
+    pub(crate) fn integrate(
+        &self,
+        rectangle: Rectangle,
+        tolerance: f64,
+        guides: Guides<'_>,
+    ) -> f64 {
         let mut budget = MAX_RECTANGLES;
         let node = Node { rectangle, coarse: self.estimate(rectangle), tolerance, depth: 0 };
         self.refine(&node, guides, &mut budget)
@@ -221,7 +188,7 @@ impl<'a, F: Fn(DVec2) -> f64> Cubature<'a, F> {
         let count = guides.points.len();
         let axis = if changes[0].max(changes[1]) > node.tolerance {
             usize::from(changes[1] > changes[0])
-        } else if count >= MIN_GUIDES && mean < GUIDED_SHARE * guides.mass * count as f64 {
+        } else if count >= MIN_GUIDES && mean < GUIDED_FRACTION * guides.mass * count as f64 {
             crowded_axis(&halves, guides.points)
         } else {
             return mean;
@@ -231,7 +198,7 @@ impl<'a, F: Fn(DVec2) -> f64> Cubature<'a, F> {
         for (rectangle, coarse) in halves[axis].into_iter().zip(parts[axis]) {
             let points: Vec<DVec2> =
                 guides.points.iter().copied().filter(|&point| rectangle.contains(point)).collect();
-            // After d halvings an edge crosses about 2^(d/2) rectangles: they share the error.
+            // After d halvings, an edge crosses about 2^(d/2) rectangles, which share the error.
             let tolerance = node.tolerance * std::f64::consts::FRAC_1_SQRT_2;
             let child = Node { rectangle, coarse, tolerance, depth: node.depth + 1 };
             sum += self.refine(&child, Guides { points: &points, ..guides }, budget);
@@ -240,7 +207,7 @@ impl<'a, F: Fn(DVec2) -> f64> Cubature<'a, F> {
     }
 }
 
-/// A rectangle under refinement with the estimate of its integral.
+/// A rectangle that is being refined, and the estimate of its integral.
 struct Node {
     rectangle: Rectangle,
     coarse: f64,
@@ -248,11 +215,12 @@ struct Node {
     depth: u32,
 }
 
-/// The direction at `point` of the unit square: azimuth 2πx, cosine of the polar angle 2y − 1.
+/// The direction of a point of the unit square: azimuth 2πx, cosine of the polar angle 2y − 1.
 ///
-/// The map keeps areas: a piece of the square covers 4π times its area of solid angle.
+/// The map preserves areas up to a factor: a part of the square covers 4π times its area in solid
+/// angle.
 #[must_use]
-pub fn sphere_point(point: DVec2) -> Vec3 {
+pub(crate) fn sphere_point(point: DVec2) -> Vec3 {
     let z = 2.0 * point.y - 1.0;
     let radius = (1.0 - z * z).max(0.0).sqrt();
     let (sine, cosine) = (TAU * point.x).sin_cos();
@@ -323,8 +291,8 @@ mod tests {
     }
 
     #[test]
-    fn discontinuities_are_chased() {
-        // A cap about an axis that no cell edge follows.
+    fn discontinuities_are_resolved() {
+        // A cap around an axis that is not aligned with the cells.
         let axis = Vec3::new(0.48, -0.6, 0.64);
         let cap = integrate_sphere(|w| if w.dot(axis) > 0.9 { 1.0 } else { 0.0 }, 1e-4);
         assert!((cap - TAU * 0.1).abs() < 5e-4, "{cap}");

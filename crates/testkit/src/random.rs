@@ -1,18 +1,18 @@
-//! The deterministic generator of the tests: xoshiro256++ seeded by SplitMix64.
+//! The random number generator of the tests: xoshiro256++ seeded by SplitMix64.
 
 use glam::{Vec2, Vec3};
 
-/// A small generator with a fixed sequence per seed.
+/// A generator with a fixed sequence per seed.
 ///
 /// xoshiro256++ (Blackman and Vigna, *Scrambled Linear Pseudorandom Number Generators*, 2021). It
-/// shares nothing with the generators under test.
+/// is unrelated to the generators under test.
 #[derive(Clone, Debug)]
 pub struct TestRng {
     state: [u64; 4],
 }
 
 impl TestRng {
-    /// A generator whose whole sequence follows from `seed`.
+    /// A generator whose sequence is determined by `seed`.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut counter = seed;
@@ -53,9 +53,9 @@ impl TestRng {
         low + (high - low) * self.next_f32()
     }
 
-    /// A uniform integer below `bound`; zero where `bound` is zero.
+    /// A uniform integer below `bound`; zero if `bound` is zero.
     ///
-    /// The bias is below 2⁻³² × `bound` (multiplication instead of rejection).
+    /// The bias is below 2⁻³² × `bound` (multiplication rather than rejection).
     pub fn below(&mut self, bound: u32) -> u32 {
         ((u64::from(self.next_u32()) * u64::from(bound)) >> 32) as u32
     }
@@ -75,7 +75,8 @@ impl TestRng {
     }
 }
 
-/// One output of SplitMix64 (Steele, Lea and Flood, 2014), which never yields four zeros in a row.
+/// The next output of SplitMix64 (Steele, Lea and Flood, 2014), which never returns four zeros in a
+/// row.
 fn split_mix(counter: &mut u64) -> u64 {
     *counter = counter.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mixed = (*counter ^ (*counter >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -89,23 +90,23 @@ mod tests {
     use crate::{Accumulator, z_test};
 
     #[test]
-    fn split_mix_yields_the_published_first_outputs() {
-        // The test vector that circulates with the reference implementation, for state 1234567.
+    fn split_mix_returns_the_published_outputs() {
+        // The test vector of the reference implementation for state 1234567.
         let mut counter = 1_234_567;
         assert_eq!(split_mix(&mut counter), 6_457_827_717_110_365_317);
         assert_eq!(split_mix(&mut counter), 3_203_168_211_198_807_973);
     }
 
     #[test]
-    fn xoshiro_yields_the_published_first_outputs() {
-        // First outputs of xoshiro256++ from the state 1, 2, 3, 4.
+    fn xoshiro_returns_the_published_outputs() {
+        // The first outputs of xoshiro256++ from the state 1, 2, 3, 4.
         let mut random = TestRng { state: [1, 2, 3, 4] };
         let outputs: [u64; 4] = std::array::from_fn(|_| random.next_u64());
         assert_eq!(outputs, [41_943_041, 58_720_359, 3_588_806_011_781_223, 3_591_011_842_654_386]);
     }
 
     #[test]
-    fn moments_are_those_of_the_distributions() {
+    fn moments_match_the_distributions() {
         let mut random = TestRng::new(1);
         let mut uniform = Accumulator::default();
         let mut normal = Accumulator::default();

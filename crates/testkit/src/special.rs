@@ -1,18 +1,18 @@
-//! Special functions behind the p-values: gamma, incomplete gamma and beta, normal, Student's t.
+//! Special functions for p-values: gamma, incomplete gamma and beta, normal, Student's t.
 
-/// Iterations allowed to the series and continued fractions below; their length grows as the
-/// square root of the argument, so that this reaches degrees of freedom in the tens of millions.
+/// The maximum number of terms in series and continued fractions. It grows as the square root of the
+/// argument, so this suffices for tens of millions of degrees of freedom.
 const MAX_ITERATIONS: u32 = 100_000;
 const PRECISION: f64 = 1e-15;
-/// Stands in for a vanishing denominator in Lentz's method.
+/// Replaces a vanishing denominator in Lentz's method.
 const TINY: f64 = 1e-300;
 
 /// The natural logarithm of Γ(`x`) for `x` > 0, to about 14 digits.
 ///
-/// Stirling's series after the recurrence has brought the argument above 15
-/// (NIST *Digital Library of Mathematical Functions*, 5.5.1 and 5.11.1).
+/// Stirling's series, after the recurrence has raised the argument above 15 (NIST *Digital Library
+/// of Mathematical Functions*, 5.5.1 and 5.11.1).
 #[must_use]
-pub fn ln_gamma(x: f64) -> f64 {
+pub(crate) fn ln_gamma(x: f64) -> f64 {
     let mut shifted = x;
     let mut product = 1.0;
     while shifted < 15.0 {
@@ -32,9 +32,9 @@ pub fn ln_gamma(x: f64) -> f64 {
 
 /// The regularised upper incomplete gamma function Q(`a`, `x`) for `a` > 0 and `x` ≥ 0.
 ///
-/// The series below `a` + 1 and Legendre's continued fraction above (*Numerical Recipes*, 6.2).
+/// The series below `a` + 1, and Legendre's continued fraction above (*Numerical Recipes*, 6.2).
 #[must_use]
-pub fn gamma_q(a: f64, x: f64) -> f64 {
+pub(crate) fn gamma_q(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         1.0
     } else if x.is_infinite() {
@@ -62,7 +62,7 @@ fn gamma_p_series(a: f64, x: f64) -> f64 {
 }
 
 fn gamma_q_fraction(a: f64, x: f64) -> f64 {
-    // Lentz's method in the form of Thompson and Barnett.
+    // Lentz's method as modified by Thompson and Barnett.
     let mut b = x + 1.0 - a;
     let mut c = 1.0 / TINY;
     let mut d = 1.0 / b;
@@ -86,24 +86,24 @@ fn away_from_zero(x: f64) -> f64 {
     if x.abs() < TINY { TINY } else { x }
 }
 
-/// The probability that a χ² variable of `degrees` degrees of freedom exceeds `statistic`.
+/// The probability that a χ² variable with `degrees` degrees of freedom exceeds `statistic`.
 #[must_use]
-pub fn chi_square_tail(degrees: f64, statistic: f64) -> f64 {
+pub(crate) fn chi_square_tail(degrees: f64, statistic: f64) -> f64 {
     gamma_q(0.5 * degrees, 0.5 * statistic)
 }
 
 /// The probability that a standard normal variable exceeds `z`.
 #[must_use]
-pub fn normal_tail(z: f64) -> f64 {
+pub(crate) fn normal_tail(z: f64) -> f64 {
     let both = gamma_q(0.5, 0.5 * z * z);
     if z >= 0.0 { 0.5 * both } else { 1.0 - 0.5 * both }
 }
 
-/// The probability that |T| exceeds |`t`| for Student's T of `degrees` degrees of freedom.
+/// The probability that |T| exceeds |`t`|, for Student's T with `degrees` degrees of freedom.
 ///
-/// DLMF 8.17 by way of the incomplete beta function: I(ν/2, 1/2) at ν / (ν + t²).
+/// By the incomplete beta function I(ν/2, 1/2) at ν / (ν + t²) (DLMF 8.17).
 #[must_use]
-pub fn student_two_sided(degrees: f64, t: f64) -> f64 {
+pub(crate) fn student_two_sided(degrees: f64, t: f64) -> f64 {
     if t.is_infinite() {
         return 0.0;
     }
@@ -112,7 +112,7 @@ pub fn student_two_sided(degrees: f64, t: f64) -> f64 {
 
 /// The regularised incomplete beta function I(`a`, `b`) at `x` in [0, 1] (*Numerical Recipes*, 6.4).
 #[must_use]
-pub fn beta_regularised(a: f64, b: f64, x: f64) -> f64 {
+pub(crate) fn beta_regularised(a: f64, b: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
     }
@@ -121,7 +121,7 @@ pub fn beta_regularised(a: f64, b: f64, x: f64) -> f64 {
     }
     let logarithm = ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b) + a * x.ln() + b * (-x).ln_1p();
     let front = logarithm.exp();
-    // The fraction converges fast on one side of the mean; the other side uses the symmetry.
+    // The fraction converges fast on one side of the mean; the symmetry covers the other.
     if x < (a + 1.0) / (a + b + 2.0) {
         front * beta_fraction(a, b, x) / a
     } else {
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn gamma_of_integers_and_halves() {
+    fn gamma_of_integers_and_one_half() {
         let mut factorial = 1.0_f64;
         for n in 3..20 {
             factorial *= f64::from(n - 1);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn chi_square_tail_has_its_closed_forms() {
+    fn chi_square_tail_matches_closed_forms() {
         // Two degrees: exp(−x/2). Four degrees: exp(−x/2)(1 + x/2).
         for x in [0.1_f64, 1.0, 3.7, 12.0, 80.0] {
             assert_close(chi_square_tail(2.0, x), (-0.5 * x).exp());
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn chi_square_tail_of_many_degrees_approaches_the_normal() {
-        // Wilson and Hilferty's approximation, good to a few 10⁻⁵ at this size.
+        // Wilson and Hilferty's approximation, accurate to a few 10⁻⁵ here.
         let degrees = 20_000.0_f64;
         for z in [-2.0, 0.0, 2.5] {
             let base = 1.0 - 2.0 / (9.0 * degrees) + z * (2.0 / (9.0 * degrees)).sqrt();
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn normal_tail_at_tabulated_points() {
+    fn normal_tail_matches_tables() {
         assert_close(normal_tail(0.0), 0.5);
         assert_close(normal_tail(1.0), 0.158_655_253_931_457_05);
         assert_close(normal_tail(-1.0), 1.0 - 0.158_655_253_931_457_05);
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn student_tail_has_its_closed_forms() {
+    fn student_tail_matches_closed_forms() {
         // One degree is Cauchy's distribution; two degrees: 1 − t / √(2 + t²).
         for t in [0.2_f64, 1.0, 3.0, 40.0] {
             let cauchy = 1.0 - 2.0 * t.atan() / std::f64::consts::PI;
