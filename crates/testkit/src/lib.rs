@@ -24,7 +24,7 @@ mod pearson;
 pub mod quadrature;
 mod random;
 mod rectangle;
-mod special;
+pub mod special;
 
 pub use chi2::ChiSquare;
 pub use hypothesis::{Accumulator, TestOutcome, t_test, welch, z_test};

@@ -94,7 +94,7 @@ pub(crate) fn chi_square_tail(degrees: f64, statistic: f64) -> f64 {
 
 /// The probability that a standard normal variable exceeds `z`.
 #[must_use]
-pub(crate) fn normal_tail(z: f64) -> f64 {
+pub fn normal_tail(z: f64) -> f64 {
     let both = gamma_q(0.5, 0.5 * z * z);
     if z >= 0.0 { 0.5 * both } else { 1.0 - 0.5 * both }
 }

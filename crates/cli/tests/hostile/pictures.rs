@@ -92,7 +92,7 @@ fn broken_hdr_pfm_tga_and_bmp_files_are_refused() {
     ];
     check_all("a.hdr", rows);
     let rows = [
-        ("cut off", pfm("10 10", &[0.5]), "300 floats are announced, 1 are there"),
+        ("cut off", pfm("10 10", &[0.5]), "the header announces 300 floats, but the file has 1"),
         ("100,000 squared", pfm("100000 100000", &[]), "too large"),
         ("less than nothing", pfm("-1 1", &[]), "width"),
         ("no columns", pfm("0 1", &[]), "width"),

@@ -26,7 +26,8 @@ pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError
     let count = limits.check(width.into(), height.into(), channels.into(), 4)?;
     let body = &bytes[header.length..];
     let Some(body) = body.get(..count.saturating_mul(4)) else {
-        let message = format!("{count} floats are announced, but there are {}", body.len() / 4);
+        let message =
+            format!("the header announces {count} floats, but the file has {}", body.len() / 4);
         return Err(ImageError::malformed(FORMAT, message));
     };
     let factor = header.scale.abs();
@@ -83,7 +84,8 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ImageError> {
     let height = size().ok_or_else(|| malformed("the height is not a positive integer"))?;
     let scale = next_field().and_then(|field| field.parse::<f32>().ok());
     let scale = scale.filter(|scale| scale.is_finite() && *scale != 0.0);
-    let scale = scale.ok_or_else(|| malformed("the scale is not a finite number except zero"))?;
+    let scale =
+        scale.ok_or_else(|| malformed("the scale is not a finite number other than zero"))?;
     Ok(Header { width, height, channels, scale, length: position })
 }
 
