@@ -47,6 +47,7 @@ impl TriangleIds {
     /// The lower bound of the ids at or after a primitive, in the order (geometry, primitive). For
     /// a triangle, this is its id.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "for packets"))]
+    #[inline]
     pub(crate) fn lower_bound(&self, geometry: u32, primitive: u32) -> u32 {
         let end = match self.first.get(geometry as usize + 1) {
             Some(&next) => next,

@@ -138,6 +138,7 @@ impl ExactSums {
     }
 
     /// `count` sums from `start` on.
+    #[inline]
     pub(crate) fn slice_mut(&mut self, start: usize, count: usize) -> SumsMut<'_> {
         let range = start..start + count;
         SumsMut { limits: &mut self.limits[range.clone()], digits: &mut self.digits[range] }

@@ -152,6 +152,7 @@ impl Tile {
 
 /// Why a sample must be left out of the picture, if it must. Only light may not be negative:
 /// channels such as positions may, and so may the filter's weight.
+#[inline]
 fn find_defect(sample: &Sample, channels: &[f32]) -> Option<Defect> {
     let finite = sample.color.is_finite() && sample.alpha.is_finite();
     if !finite || channels.iter().any(|value| !value.is_finite()) {

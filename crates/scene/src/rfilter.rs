@@ -154,6 +154,7 @@ impl ReconstructionFilter {
     /// of weight · g(offset) is ∫ f·g / ∫ f: constant, but negative where f is. `random` is uniform
     /// in [0, 1)²; the map from it is continuous and increasing along each axis, so stratified
     /// numbers give stratified offsets.
+    #[inline]
     #[must_use]
     pub fn sample(&self, random: Vec2) -> (Vec2, f32) {
         match &self.profile {
