@@ -1,12 +1,12 @@
 //! `direct`: emitters, and light that is scattered once.
 
 use crate::estimator::{
-    Continuation, NextEvent, PathVertex, PathWeight, ScatterNumbers, StrictNormals, distant,
-    emitted, first_surface,
+    Continuation, HideEmitters, NextEvent, PathVertex, PathWeight, ScatterNumbers, StrictNormals,
+    distant, emitted, first_surface,
 };
 use crate::integrator::{Integrator, Radiance, Start};
 use crate::options::IntegratorOptions;
-use crate::parameters::{HIDE_EMITTERS, STRICT_NORMALS, read_strict_normals};
+use crate::parameters::{HIDE_EMITTERS, STRICT_NORMALS, read_hide_emitters, read_strict_normals};
 use etendue_document::{Fault, Parameters};
 use etendue_sampling::Sampler;
 use etendue_scene::bsdf::Bsdf;
@@ -49,7 +49,7 @@ const MAX_SAMPLES: i64 = 4096;
 pub struct Direct {
     emitter_samples: u32,
     bsdf_samples: u32,
-    hide_emitters: bool,
+    hide_emitters: HideEmitters,
     strict_normals: StrictNormals,
 }
 
@@ -69,7 +69,7 @@ impl Direct {
         Self {
             emitter_samples: if emitter_sampling { emitter_samples } else { 0 },
             bsdf_samples: if emitter_sampling { bsdf_samples } else { bsdf_samples.max(1) },
-            hide_emitters: parameters.boolean("hide_emitters", false),
+            hide_emitters: read_hide_emitters(parameters),
             strict_normals: read_strict_normals(parameters),
         }
     }

@@ -11,13 +11,14 @@
 //! | next-event estimation | [`NextEvent`] |
 //! | how a path goes on, strict normals | [`Continuation`], [`StrictNormals`] |
 //! | Russian roulette | [`Roulette`] |
-//! | hidden emitters | [`is_hidden`], [`first_hit`] |
+//! | hidden emitters | [`HideEmitters`], [`first_hit`] |
 //! | null transmission through thin sheets | [`ThinSheet`] |
 //! | alpha | [`Alpha`] |
 
 mod alpha;
 mod continuation;
 mod emission;
+mod hide_emitters;
 mod mis;
 mod next_event;
 mod numbers;
@@ -29,10 +30,11 @@ mod visibility;
 pub(crate) use alpha::Alpha;
 pub(crate) use continuation::{Continuation, PathWeight};
 pub(crate) use emission::{Emission, PathVertex, distant, emitted};
+pub(crate) use hide_emitters::HideEmitters;
 pub(crate) use mis::{next_event_weight, power_heuristic};
 pub(crate) use next_event::{NextEvent, ProposedLight};
 pub(crate) use numbers::{ScatterNumbers, VertexNumbers};
 pub(crate) use roulette::Roulette;
 pub(crate) use shading::{LaneScattering, ShadingPoint, StrictNormals};
 pub(crate) use thin_sheet::ThinSheet;
-pub(crate) use visibility::{first_hit, first_surface, is_hidden, skip_hits};
+pub(crate) use visibility::{first_hit, first_surface, skip_hits};

@@ -7,4 +7,4 @@ mod weights;
 
 pub(crate) use connection::{Connection, Vertex};
 pub(crate) use walk::{Event, MediumVertex, MediumWalk};
-pub(crate) use weights::{Heuristic, Weights};
+pub(crate) use weights::{Heuristic, Turn, Weights};

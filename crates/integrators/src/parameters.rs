@@ -1,6 +1,6 @@
 //! The parameters that several integrators read.
 
-use crate::estimator::StrictNormals;
+use crate::estimator::{HideEmitters, StrictNormals};
 use crate::options::IntegratorOptions;
 use etendue_document::{Fault, Parameters};
 use etendue_scene::ParameterManual;
@@ -63,8 +63,7 @@ impl DepthLimits {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathParameters {
     pub(crate) limits: DepthLimits,
-    /// Whether the camera passes through emitters.
-    pub(crate) hide_emitters: bool,
+    pub(crate) hide_emitters: HideEmitters,
     pub(crate) strict_normals: StrictNormals,
     /// Whether emitters are sampled; without, light is found by chance alone.
     pub(crate) emitter_sampling: bool,
@@ -75,17 +74,16 @@ impl PathParameters {
     pub(crate) fn read(parameters: &Parameters<'_>, options: &IntegratorOptions) -> Self {
         Self {
             limits: DepthLimits::read(parameters),
-            hide_emitters: parameters.boolean("hide_emitters", false),
+            hide_emitters: read_hide_emitters(parameters),
             strict_normals: StrictNormals(false),
             emitter_sampling: options.emitter_sampling,
         }
     }
+}
 
-    /// Whether emitters are hidden from a path of `depth` edges.
-    #[inline(always)]
-    pub(crate) fn hides_emitters(&self, depth: u32) -> bool {
-        self.hide_emitters && depth == 0
-    }
+/// Reads `hide_emitters`.
+pub(crate) fn read_hide_emitters(parameters: &Parameters<'_>) -> HideEmitters {
+    HideEmitters(parameters.boolean("hide_emitters", false))
 }
 
 /// Reads `strict_normals`.

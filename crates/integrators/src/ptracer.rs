@@ -1,8 +1,8 @@
 //! `ptracer`: particles from the emitters, whose splats make the picture.
 
-use crate::estimator::{PathVertex, Roulette, emitted, first_hit, first_surface, is_hidden};
+use crate::estimator::{HideEmitters, PathVertex, Roulette, emitted, first_hit, first_surface};
 use crate::integrator::{Integrator, Radiance, Start};
-use crate::parameters::{DepthLimits, HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
+use crate::parameters::{DepthLimits, HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH, read_hide_emitters};
 use crate::particles::{ParticleIntegrator, Splat, SplatSink, SplatTarget};
 use etendue_document::Parameters;
 use etendue_math::Ray;
@@ -38,7 +38,7 @@ pub(crate) const MANUAL: Manual = Manual {
 #[derive(Clone, Debug)]
 pub struct ParticleTracer {
     limits: DepthLimits,
-    hide_emitters: bool,
+    hide_emitters: HideEmitters,
 }
 
 /// The share of a connection's length that must be free. The rest allows for the rounding of the
@@ -69,7 +69,7 @@ impl ParticleTracer {
         parameters.optional_integer("samples_per_pass");
         Self {
             limits: DepthLimits::read(parameters),
-            hide_emitters: parameters.boolean("hide_emitters", false),
+            hide_emitters: read_hide_emitters(parameters),
         }
     }
 
@@ -92,7 +92,7 @@ impl ParticleTracer {
         connection: &Connection,
     ) -> Spectrum {
         let Vertex { surface, bsdf } = vertex;
-        let hidden = self.hide_emitters && is_hidden(scene, surface);
+        let hidden = self.hide_emitters.hides(scene, surface);
         if hidden || !bsdf.has_smooth_lobe() {
             return Spectrum::ZERO;
         }
@@ -116,7 +116,7 @@ impl ParticleTracer {
     ) -> bool {
         let mut ray = surface.spawn_ray(connection.direction);
         ray.t_max = connection.distance * CONNECTION_LENGTH;
-        if !self.hide_emitters {
+        if !self.hide_emitters.0 {
             return scene.occluded(&ray);
         }
         first_hit(scene, &ray, self.hide_emitters).is_some()

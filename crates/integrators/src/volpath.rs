@@ -1,8 +1,8 @@
 //! `volpath`: path tracing through participating media.
 
-use crate::estimator::{Alpha, Emission, Roulette, ThinSheet, VertexNumbers, is_hidden};
+use crate::estimator::{Alpha, Emission, Roulette, ThinSheet, VertexNumbers};
 use crate::integrator::{Integrator, Radiance, Start};
-use crate::media::{Connection, Event, Heuristic, MediumVertex, MediumWalk, Vertex, Weights};
+use crate::media::{Connection, Event, Heuristic, MediumVertex, MediumWalk, Turn, Vertex, Weights};
 use crate::options::IntegratorOptions;
 use crate::parameters::{HIDE_EMITTERS, MAX_DEPTH, PathParameters, RR_DEPTH};
 use etendue_document::Parameters;
@@ -128,7 +128,7 @@ impl Integrator for VolumePath {
 impl VolumePath {
     /// The ray has left the scene.
     fn escape(&self, scene: &Scene, path: &mut State) {
-        if self.parameters.hides_emitters(path.depth) {
+        if self.parameters.hide_emitters.at_depth(path.depth).0 {
             return;
         }
         for emission in Emission::from_afar(scene, path.walk.ray.direction) {
@@ -155,8 +155,8 @@ impl VolumePath {
         sampler: &mut Sampler,
     ) -> bool {
         let surface = scene.interaction(&path.walk.ray, hit);
-        let hides_emitters = self.parameters.hides_emitters(path.depth);
-        if path.sheet.holds(&surface) || hides_emitters && is_hidden(scene, &surface) {
+        let hide_emitters = self.parameters.hide_emitters.at_depth(path.depth);
+        if path.sheet.holds(&surface) || hide_emitters.hides(scene, &surface) {
             path.walk.leave(scene, &surface, path.walk.ray.direction);
             return true;
         }
@@ -204,7 +204,8 @@ impl VolumePath {
         path.vertex = surface.point;
         path.eta *= eta;
         path.depth += 1;
-        path.weights.turn(weight, pdf, self.parameters.emitter_sampling && lobe.is_smooth());
+        let competes = self.parameters.emitter_sampling && lobe.is_smooth();
+        path.weights.turn(&Turn { weight, pdf, competes });
         !path.weights.throughput.is_black()
     }
 
@@ -253,7 +254,7 @@ impl VolumePath {
         let Some(sample) = medium.phase.sample(&interaction, lobe, direction) else {
             return false;
         };
-        path.weights.turn(Spectrum::ONE, sample.pdf, competes);
+        path.weights.turn(&Turn { weight: Spectrum::ONE, pdf: sample.pdf, competes });
         path.vertex = point;
         path.walk.ray = Ray::new(point, sample.wo);
         self.survives(path, numbers.roulette)

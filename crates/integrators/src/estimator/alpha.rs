@@ -1,5 +1,6 @@
 //! Alpha: whether a camera sample sees anything.
 
+use super::hide_emitters::HideEmitters;
 use etendue_scene::Scene;
 
 /// The alpha of a camera sample. It is 1 once the path has met something that it does not pass
@@ -16,8 +17,8 @@ impl Alpha {
 
     /// The path leaves the scene.
     #[inline]
-    pub(crate) fn escape(&mut self, scene: &Scene, hide_emitters: bool) {
-        if !hide_emitters && !scene.environments().is_empty() {
+    pub(crate) fn escape(&mut self, scene: &Scene, hide_emitters: HideEmitters) {
+        if !hide_emitters.0 && !scene.environments().is_empty() {
             self.cover();
         }
     }

@@ -2,15 +2,10 @@
 
 use super::alpha::Alpha;
 use super::emission::{PathVertex, distant};
+use super::hide_emitters::HideEmitters;
 use crate::integrator::Radiance;
 use etendue_math::Ray;
 use etendue_scene::{Hit, Scene, SurfaceInteraction};
-
-/// Whether `hide_emitters` hides a surface from the camera.
-#[inline]
-pub(crate) fn is_hidden(scene: &Scene, surface: &SurfaceInteraction) -> bool {
-    scene.emitter_of(surface).is_some()
-}
 
 /// What a camera ray hits first, emitters left out if they are to be hidden: distances then count from
 /// the last of them.
@@ -18,12 +13,12 @@ pub(crate) fn is_hidden(scene: &Scene, surface: &SurfaceInteraction) -> bool {
 pub(crate) fn first_hit(
     scene: &Scene,
     ray: &Ray,
-    hide_emitters: bool,
+    hide_emitters: HideEmitters,
 ) -> Option<SurfaceInteraction> {
     let mut ray = *ray;
     let mut hit = scene.closest_hit(&ray);
-    if hide_emitters {
-        skip_hits(scene, &mut ray, &mut hit, &mut |surface| is_hidden(scene, surface));
+    if hide_emitters.0 {
+        skip_hits(scene, &mut ray, &mut hit, &mut |surface| hide_emitters.hides(scene, surface));
     }
     hit.map(|hit| scene.interaction(&ray, &hit))
 }
@@ -34,11 +29,11 @@ pub(crate) fn first_hit(
 pub(crate) fn first_surface(
     scene: &Scene,
     ray: &Ray,
-    hide_emitters: bool,
+    hide_emitters: HideEmitters,
 ) -> Result<SurfaceInteraction, Radiance> {
     first_hit(scene, ray, hide_emitters).ok_or_else(|| {
         let mut background = Radiance::NONE;
-        if !hide_emitters {
+        if !hide_emitters.0 {
             background.color = distant(scene, ray.direction, &PathVertex::camera(ray.origin));
         }
         let mut alpha = Alpha::default();

@@ -52,6 +52,17 @@ pub(crate) struct Step {
     pub(crate) light_pdf: f32,
 }
 
+/// A new direction, which all channels choose alike.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn {
+    /// The share of light that is scattered, divided by `pdf`.
+    pub(crate) weight: Spectrum,
+    /// The density in solid angle.
+    pub(crate) pdf: f32,
+    /// Whether next-event estimation could have found what lies in the direction.
+    pub(crate) competes: bool,
+}
+
 impl Weights {
     /// A path that has not begun.
     pub(crate) fn new() -> Self {
@@ -85,10 +96,10 @@ impl Weights {
         self.advance(&Step { value: weight * pdf, unidirectional_pdf, light_pdf: 1.0 })
     }
 
-    /// Takes a direction of density `pdf`, the same in all channels. `competes` says whether next-event
-    /// estimation could have found what lies there.
+    /// Takes a direction.
     #[inline]
-    pub(crate) fn turn(&mut self, weight: Spectrum, pdf: f32, competes: bool) {
+    pub(crate) fn turn(&mut self, turn: &Turn) {
+        let Turn { weight, pdf, competes } = *turn;
         self.throughput *= weight;
         self.direction_pdf = competes.then_some(pdf);
         self.light_pdf = if competes { self.unidirectional_pdf / pdf } else { Spectrum::ZERO };
@@ -161,7 +172,7 @@ mod tests {
                 unidirectional_pdf * (1.0 / 0.4),
             );
             let mut found = before;
-            found.turn(Spectrum::ONE, direction_pdf, true);
+            found.turn(&Turn { weight: Spectrum::ONE, pdf: direction_pdf, competes: true });
             assert!(found.advance(&Step {
                 value: Spectrum::ONE,
                 unidirectional_pdf,
@@ -187,7 +198,7 @@ mod tests {
     #[test]
     fn what_could_not_compete_counts_in_full() {
         let mut weights = Weights::new();
-        weights.turn(Spectrum::ONE, 1.0, false);
+        weights.turn(&Turn { weight: Spectrum::ONE, pdf: 1.0, competes: false });
         for heuristic in [Heuristic::Directions, Heuristic::Paths] {
             assert_eq!(weights.of_emission(heuristic, || 5.0), 1.0);
         }

@@ -2,7 +2,7 @@
 
 use crate::estimator::{
     Alpha, Continuation, NextEvent, PathVertex, PathWeight, ProposedLight, ShadingPoint, ThinSheet,
-    VertexNumbers, distant, emitted, is_hidden, skip_hits,
+    VertexNumbers, distant, emitted, skip_hits,
 };
 use crate::integrator::Radiance;
 use crate::parameters::PathParameters;
@@ -96,17 +96,20 @@ impl<'a> Step<'a> {
     /// Replaces a hit that does not count: of a hidden emitter, or of the rest of a thin sheet.
     #[inline(always)]
     pub(super) fn skip_hits(&self, path: &mut PathState, ray: &mut Ray, hit: &mut Option<Hit>) {
+        let hide_emitters = self.parameters.hide_emitters.at_depth(self.depth);
         if path.sheet.is_entered() {
             let mut sheet = std::mem::take(&mut path.sheet);
             skip_hits(self.scene, ray, hit, &mut |surface| sheet.holds(surface));
-        } else if self.parameters.hides_emitters(self.depth) {
-            skip_hits(self.scene, ray, hit, &mut |surface| is_hidden(self.scene, surface));
+        } else if hide_emitters.0 {
+            skip_hits(self.scene, ray, hit, &mut |surface| {
+                hide_emitters.hides(self.scene, surface)
+            });
         }
     }
 
     /// The ray of a path has left the scene.
     pub(super) fn escape(&self, path: &mut PathState, ray: &Ray) {
-        if self.parameters.hides_emitters(self.depth) {
+        if self.parameters.hide_emitters.at_depth(self.depth).0 {
             return;
         }
         path.radiance += path.throughput * distant(self.scene, ray.direction, &path.vertex);
