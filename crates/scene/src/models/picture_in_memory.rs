@@ -9,6 +9,8 @@ pub(crate) fn read(parameters: &Parameters<'_>) -> Option<Bitmap> {
     if parameters.has("filename") {
         let message = "a picture comes from `filename` or from `data`, not from both";
         parameters.error(Fault::BadValue, "filename", message);
+        // Both are known, though neither is of use.
+        let _ = (parameters.value("filename"), parameters.value("data"));
         return None;
     }
     let report = |message: String| parameters.error(Fault::BadValue, "data", message);

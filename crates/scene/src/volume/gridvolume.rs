@@ -126,6 +126,8 @@ fn grid_in_memory(parameters: &Parameters<'_>) -> Option<GridFile> {
     };
     if parameters.has("filename") {
         let message = "a grid comes from `filename` or from `data`, not from both";
+        // Both are known, though neither is of use.
+        let _ = (parameters.value("filename"), parameters.value("data"));
         return fail("filename", message.to_owned());
     }
     let buffer = parameters.buffer("data")?;
