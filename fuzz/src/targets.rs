@@ -200,13 +200,13 @@ fn build_and_render(text: &str, files: &MemoryResources) {
         ..SceneOptions::default()
     };
     let loaded = WORKERS.run(|| load_text(text, PathBuf::from("/"), files, &options));
-    let Some(content) = loaded.content else { return };
+    let Some(scene) = loaded.scene else { return };
     let options = RenderOptions {
         samples_per_pixel: Some(1),
         memory_limit: Some(SUMS_LIMIT),
         ..RenderOptions::default()
     };
-    if let Ok(job) = RenderJob::new(&content, &options) {
+    if let Ok(job) = RenderJob::new(&scene, &options) {
         let _ = job.render(&WORKERS, &Silent, &Cancel::new());
     }
 }

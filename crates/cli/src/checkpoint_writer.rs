@@ -58,7 +58,7 @@ impl CheckpointArguments {
 
 /// Writes checkpoints and previews while others render.
 pub(crate) struct CheckpointWriter<'a> {
-    pub(crate) job: &'a RenderJob<'a>,
+    pub(crate) job: &'a RenderJob,
     pub(crate) film: &'a FilmSums,
     /// `None` if none are kept.
     pub(crate) checkpoint: Option<&'a SumsFile>,

@@ -56,7 +56,7 @@ fn quote(argument: &str) -> String {
 }
 
 /// Takes one sample again and shows what it says.
-pub(crate) fn show(job: &RenderJob<'_>, id: SampleId) -> Result<(), Failure> {
+pub(crate) fn show(job: &RenderJob, id: SampleId) -> Result<(), Failure> {
     let film = &job.setup().film;
     if id.x >= film.width || id.y >= film.height {
         let (x, y, width, height) = (id.x, id.y, film.width, film.height);

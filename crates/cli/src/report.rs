@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use etendue::{LoadTimes, LoadedScene, RenderJob, Rendering, SamplesPerPixel, Statistics};
+use etendue::scene::Scene;
+use etendue::{LoadTimes, RenderJob, Rendering, SamplesPerPixel, Statistics};
 
 use crate::outputs::Outputs;
 use crate::{terminal, text};
@@ -42,8 +43,8 @@ pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration
 }
 
 /// What the render will take, before it is taken: `memory: 1.2 GB scene, 158 MB film`.
-pub(crate) fn memory(content: &LoadedScene, job: &RenderJob<'_>) {
-    let statistics = content.scene.statistics();
+pub(crate) fn memory(scene: &Scene, job: &RenderJob) {
+    let statistics = scene.statistics();
     let scene = statistics.mesh_bytes
         + statistics.tree_bytes
         + statistics.texture_bytes

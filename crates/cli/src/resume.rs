@@ -60,7 +60,7 @@ fn ask(checkpoint: &SumsFile, header: &FilmFile) -> Result<bool, Failure> {
 pub(crate) fn read(
     checkpoint: &SumsFile,
     header: &FilmFile,
-    job: &RenderJob<'_>,
+    job: &RenderJob,
 ) -> Result<FilmSums, Failure> {
     check(checkpoint, header, job)?;
     let limit = job.job().memory_limit;
@@ -80,7 +80,7 @@ pub(crate) fn read(
 }
 
 /// Refuses sums of another picture, and tells what differs.
-fn check(checkpoint: &SumsFile, header: &FilmFile, job: &RenderJob<'_>) -> Result<(), Failure> {
+fn check(checkpoint: &SumsFile, header: &FilmFile, job: &RenderJob) -> Result<(), Failure> {
     let mut found = differences(&header.record.identity, &job.identity());
     let first = job.job().first_sample;
     if header.first_sample != first {

@@ -34,6 +34,15 @@ impl Document {
     }
 }
 
+impl Value {
+    /// Appends bytes that differ wherever two values do; of a buffer, its hash.
+    pub fn append_bytes(&self, bytes: &mut Vec<u8>) {
+        let mut all = Bytes(std::mem::take(bytes));
+        all.value(self);
+        *bytes = all.0;
+    }
+}
+
 /// Bytes that are handed on together: a hash function is faster on many at a time.
 const FULL: usize = 1 << 16;
 

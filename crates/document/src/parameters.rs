@@ -1,9 +1,12 @@
 //! How a plugin reads its node, and how what it did not read is reported.
 
+mod reading;
 mod report;
 #[cfg(test)]
 mod tests;
 mod typed;
+
+pub use reading::Reading;
 
 use std::cell::RefCell;
 

@@ -5,6 +5,7 @@ use etendue_math::with_lanes;
 use etendue_sampling::{Sampler, SamplerSpec, draw_points};
 use etendue_scene::{Scene, SensorSetup};
 use glam::{UVec2, Vec2};
+use std::sync::Arc;
 
 use crate::region::Region;
 use crate::source::{PixelSplatSink, Sample, SampleId, SampleSource, SplatSource};
@@ -20,12 +21,12 @@ const FILTER_DIMENSION: u32 = 1 << 24;
 ///
 /// The first two random numbers of a sample choose the place within the reconstruction filter, the
 /// next two the point of the aperture; the rest are the integrator's.
-#[derive(Clone, Copy)]
-pub struct Camera<'a> {
-    scene: &'a Scene,
-    setup: &'a SensorSetup,
+#[derive(Clone)]
+pub struct Camera {
+    scene: Arc<Scene>,
+    setup: SensorSetup,
     sampler: SamplerSpec,
-    integrator: &'a dyn Integrator,
+    integrator: Arc<dyn Integrator>,
     /// One over the film's width and height.
     pixel_size: Vec2,
 }
@@ -41,16 +42,21 @@ pub struct Replay {
     pub channels: Vec<f32>,
 }
 
-impl<'a> Camera<'a> {
+impl Camera {
     /// A camera whose random numbers are planned by `sampler`, which may differ from the scene's.
     pub fn new(
-        scene: &'a Scene,
-        setup: &'a SensorSetup,
+        scene: Arc<Scene>,
+        setup: SensorSetup,
         sampler: SamplerSpec,
-        integrator: &'a dyn Integrator,
+        integrator: Arc<dyn Integrator>,
     ) -> Self {
         let size = UVec2::new(setup.film.width, setup.film.height);
         Self { scene, setup, sampler, integrator, pixel_size: size.as_vec2().recip() }
+    }
+
+    /// The sensor with its film, as the scene says.
+    pub fn setup(&self) -> &SensorSetup {
+        &self.setup
     }
 
     /// Where its random numbers come from.
@@ -59,11 +65,11 @@ impl<'a> Camera<'a> {
     }
 
     pub(crate) fn scene(&self) -> &Scene {
-        self.scene
+        &self.scene
     }
 
     pub(crate) fn integrator(&self) -> &dyn Integrator {
-        self.integrator
+        &*self.integrator
     }
 
     /// The whole film, whatever part of it is rendered.
@@ -74,7 +80,7 @@ impl<'a> Camera<'a> {
 
     /// The same camera with other random numbers.
     pub(crate) fn with_sampler(&self, sampler: SamplerSpec) -> Self {
-        Self { sampler, ..*self }
+        Self { sampler, ..self.clone() }
     }
 
     /// Takes one sample exactly as a render takes it.
@@ -82,12 +88,12 @@ impl<'a> Camera<'a> {
         let mut channels = vec![0.0; self.integrator.channels().len()];
         let (mut rays, responses) = self.start(&[id]);
         let CameraRay { start, sampler } = &mut rays[0];
-        let radiance = self.integrator.sample(self.scene, start, sampler, &mut channels);
+        let radiance = self.integrator.sample(&self.scene, start, sampler, &mut channels);
         Replay { id, sample: responses[0].to(&radiance), channels }
     }
 }
 
-impl SampleSource for Camera<'_> {
+impl SampleSource for Camera {
     fn channels(&self) -> &[String] {
         self.integrator.channels()
     }
@@ -96,7 +102,7 @@ impl SampleSource for Camera<'_> {
         channels.fill(0.0);
         let (mut rays, responses) = self.start(ids);
         let mut radiance = Vec::with_capacity(ids.len());
-        self.integrator.sample_batch(self.scene, &mut rays, channels, &mut radiance);
+        self.integrator.sample_batch(&self.scene, &mut rays, channels, &mut radiance);
         samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
     }
 
@@ -105,7 +111,7 @@ impl SampleSource for Camera<'_> {
     }
 }
 
-impl SplatSource for Camera<'_> {
+impl SplatSource for Camera {
     fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>) {
         let Some(particles) = self.integrator.particles() else { return };
         let film = &self.setup.film;
@@ -127,11 +133,11 @@ impl SplatSource for Camera<'_> {
         };
         let margin = film.filter.radius() * self.pixel_size;
         let target = SplatTarget { sensor: &self.setup.sensor, margin };
-        particles.trace_particle(self.scene, &mut sampler, &target, &mut filtered_sink);
+        particles.trace_particle(&self.scene, &mut sampler, &target, &mut filtered_sink);
     }
 }
 
-impl Camera<'_> {
+impl Camera {
     /// The samplers of some ids, of which neighbours mostly belong to one pixel.
     fn samplers(&self, ids: &[SampleId]) -> Vec<Sampler> {
         let of_one_pixel = ids.chunk_by(|a, b| (a.x, a.y) == (b.x, b.y));

@@ -15,7 +15,7 @@ use crate::workers::Workers;
 /// Keeps the random numbers of training apart from those of the picture.
 const TRAINING_SEED: u64 = 0x7472_6169_6e69_6e67;
 
-impl Camera<'_> {
+impl Camera {
     /// Trains the integrator. The result renders in its place; `None` if there is nothing to learn.
     ///
     /// The result depends only on the scene, the sensor with its whole film, the integrator, and the

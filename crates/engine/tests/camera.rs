@@ -8,6 +8,7 @@ use etendue_engine::{
 use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_scene::{BuildOptions, Scene, build_scene};
+use std::sync::Arc;
 
 /// A square from (-1, -1) to (1, 1) that fills the film, so that positions on both correspond.
 const SQUARE: &str = r#"
@@ -31,7 +32,7 @@ const SQUARE: &str = r#"
         <shape type="rectangle"/>
     </scene>"#;
 
-fn build() -> (Scene, Box<dyn Integrator>) {
+fn build() -> (Arc<Scene>, Arc<dyn Integrator>) {
     let diagnostics = Diagnostics::new();
     let files = MemoryResources::default();
     let built = read_text(SQUARE, &files, &LoadOptions::default(), &diagnostics).ok().and_then(
@@ -39,7 +40,7 @@ fn build() -> (Scene, Box<dyn Integrator>) {
             let scene = build_scene(&document, &files, &diagnostics, &BuildOptions::default())?;
             let options = IntegratorOptions::default();
             let integrator = build_integrator(&document, &options, &diagnostics)?;
-            Some((scene, integrator))
+            Some((Arc::new(scene), integrator.into()))
         },
     );
     built.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
@@ -50,10 +51,11 @@ fn job(region: Region, samples_per_pixel: u32) -> Job {
     Job { region, first_sample: 0, budget, variance: false, memory_limit: 1 << 30 }
 }
 
-fn with_camera<T>(test: impl FnOnce(&Camera<'_>) -> T) -> T {
+fn with_camera<T>(test: impl FnOnce(&Camera) -> T) -> T {
     let (scene, integrator) = build();
-    let setup = &scene.sensors()[0];
-    test(&Camera::new(&scene, setup, setup.sampler, &*integrator))
+    let setup = scene.sensors()[0].clone();
+    let sampler = setup.sampler;
+    test(&Camera::new(scene, setup, sampler, integrator))
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Light that is traced from its source makes the picture that light traced from the camera makes.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_engine::{
@@ -17,7 +17,7 @@ use etendue_testkit::{Accumulator, welch};
 
 const SIZE: u32 = 16;
 
-fn build(text: &str, integrator: &str) -> (Scene, Box<dyn Integrator>) {
+fn build(text: &str, integrator: &str) -> (Arc<Scene>, Arc<dyn Integrator>) {
     let diagnostics = Diagnostics::new();
     let files = MemoryResources::default();
     let text = format!(
@@ -29,7 +29,7 @@ fn build(text: &str, integrator: &str) -> (Scene, Box<dyn Integrator>) {
             let scene = build_scene(&document, &files, &diagnostics, &BuildOptions::default())?;
             let options = IntegratorOptions::default();
             let integrator = build_integrator(&document, &options, &diagnostics)?;
-            Some((scene, integrator))
+            Some((Arc::new(scene), Arc::from(integrator)))
         });
     built.unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }
@@ -56,13 +56,13 @@ const OBJECTS: &str = r#"
         <bsdf type="roughdielectric"><float name="alpha" value="0.4"/></bsdf></shape>"#;
 
 /// The means of the quarters of pictures of several seeds, as `quarter × channel`.
-fn quarters(scene: &Scene, integrator: &dyn Integrator, seeds: u64) -> Vec<Accumulator> {
+fn quarters(scene: &Arc<Scene>, integrator: &Arc<dyn Integrator>, seeds: u64) -> Vec<Accumulator> {
     let setup = &scene.sensors()[0];
     let workers = Workers::new(None).unwrap();
     let mut means = vec![Accumulator::default(); 12];
     for seed in 0..seeds {
         let sampler = SamplerSpec::new(setup.sampler.kind(), 64, seed);
-        let camera = Camera::new(scene, setup, sampler, integrator);
+        let camera = Camera::new(scene.clone(), setup.clone(), sampler, integrator.clone());
         let budget = Budget { samples_per_pixel: Some(64), time: None };
         let region = Region { x: 0, y: 0, width: SIZE, height: SIZE };
         let job = Job { region, first_sample: 0, budget, variance: false, memory_limit: 1 << 30 };
@@ -113,7 +113,7 @@ fn particles_and_paths_make_the_same_picture() {
             let (scene, path) = build(&text, "path");
             let (_, particles) = build(&text, "ptracer");
             let (paths, particles) =
-                (quarters(&scene, &*path, 12), quarters(&scene, &*particles, 12));
+                (quarters(&scene, &path, 12), quarters(&scene, &particles, 12));
             for (index, (path, particle)) in paths.iter().zip(&particles).enumerate() {
                 // 108 comparisons in all.
                 let outcome = welch(path, particle);
@@ -134,7 +134,7 @@ fn threads_and_divided_runs_leave_the_same_splats() {
     let text = format!("{}{OBJECTS}{light}", sensor("perspective", ""));
     let (scene, integrator) = build(&text, "ptracer");
     let setup = &scene.sensors()[0];
-    let camera = Camera::new(&scene, setup, setup.sampler, &*integrator);
+    let camera = Camera::new(scene.clone(), setup.clone(), setup.sampler, integrator);
     let picture = |threads: usize| {
         let budget = Budget { samples_per_pixel: Some(16), time: None };
         let region = Region { x: 3, y: 0, width: SIZE - 3, height: SIZE };
@@ -154,8 +154,8 @@ fn threads_and_divided_runs_leave_the_same_splats() {
 /// Finds a share of the light by camera paths and the rest by particles, as a bidirectional
 /// integrator does.
 struct Joined {
-    paths: Box<dyn Integrator>,
-    particles: Box<dyn Integrator>,
+    paths: Arc<dyn Integrator>,
+    particles: Arc<dyn Integrator>,
 }
 
 const PATH_SHARE: f32 = 0.25;
@@ -199,8 +199,9 @@ fn camera_paths_and_particles_add_up() {
     let light = r#"<emitter type="constant"/>"#;
     let text = format!("{}{OBJECTS}{light}", sensor("perspective", ""));
     let (scene, path) = build(&text, "path");
-    let expected = quarters(&scene, &*path, 12);
+    let expected = quarters(&scene, &path, 12);
     let joined = Joined { paths: path, particles: build(&text, "ptracer").1 };
+    let joined: Arc<dyn Integrator> = Arc::new(joined);
     for (index, (path, joined)) in expected.iter().zip(&quarters(&scene, &joined, 12)).enumerate() {
         let outcome = welch(path, joined);
         assert!(outcome.accepts(1e-4), "{index}: {} {}", path.mean(), joined.mean());
@@ -240,8 +241,11 @@ impl ParticleIntegrator for Recorder {
 #[test]
 fn a_particle_has_the_random_numbers_of_its_camera_sample() {
     let (scene, _) = build(&sensor("thinlens", ""), "path");
-    let recorder = Recorder::default();
-    quarters(&scene, &recorder, 1);
+    let recorder = Arc::new(Recorder::default());
+    let integrator: Arc<dyn Integrator> = recorder.clone();
+    quarters(&scene, &integrator, 1);
+    drop(integrator);
+    let recorder = Arc::into_inner(recorder).expect("nobody else holds it");
     let sorted = |samplers: Mutex<Vec<Sampler>>| {
         let samplers = samplers.into_inner().unwrap();
         let mut texts: Vec<_> = samplers.iter().map(|sampler| format!("{sampler:?}")).collect();

@@ -1,6 +1,7 @@
 //! An integrator that learns between passes: the same bits for any threads, split and resume.
 
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use etendue_document::{Diagnostics, MemoryResources};
@@ -141,16 +142,31 @@ fn workers(threads: usize) -> Workers {
     Workers::new(NonZeroUsize::new(threads)).unwrap()
 }
 
+/// The scene's camera, with any integrator.
+fn camera_of(scene: &Arc<Scene>, integrator: impl Into<Arc<dyn Integrator>>) -> Camera {
+    let setup = scene.sensors()[0].clone();
+    let sampler = setup.sampler;
+    Camera::new(Arc::clone(scene), setup, sampler, integrator.into())
+}
+
+fn untrained() -> Arc<dyn Integrator> {
+    Arc::new(Learner::untrained())
+}
+
 /// Trains and renders as one run of a program does: samples `first` to below `end` of a region, into
 /// the film that an earlier run has left as a file, if there is one.
-fn run(scene: &Scene, threads: usize, region: Region, samples: [u32; 2], file: &[u8]) -> Vec<u8> {
-    let setup = &scene.sensors()[0];
+fn run(
+    scene: &Arc<Scene>,
+    threads: usize,
+    region: Region,
+    samples: [u32; 2],
+    file: &[u8],
+) -> Vec<u8> {
     let (workers, cancel) = (workers(threads), Cancel::new());
-    let untrained = Learner::untrained();
-    let camera = Camera::new(scene, setup, setup.sampler, &untrained);
+    let camera = camera_of(scene, untrained());
     let trained = camera.train(&workers, &cancel).unwrap().unwrap();
     assert!(trained.training().is_none(), "there is nothing left to learn");
-    let camera = Camera::new(scene, setup, setup.sampler, &*trained);
+    let camera = camera_of(scene, trained);
     let [first_sample, end] = samples;
     let budget = Budget { samples_per_pixel: Some(end), time: None };
     let job = Job { region, first_sample, budget, variance: true, memory_limit: 1 << 30 };
@@ -177,7 +193,7 @@ fn picture(file: &[u8]) -> Picture {
 
 #[test]
 fn threads_do_not_change_what_is_learned() {
-    let scene = build();
+    let scene = Arc::new(build());
     let one = picture(&run(&scene, 1, WHOLE, [0, COUNT], &[]));
     for threads in [2, 5] {
         assert_eq!(
@@ -190,7 +206,7 @@ fn threads_do_not_change_what_is_learned() {
 
 #[test]
 fn a_resumed_run_learns_the_same_again() {
-    let scene = build();
+    let scene = Arc::new(build());
     let whole = picture(&run(&scene, 2, WHOLE, [0, COUNT], &[]));
     for pause in [1, 7] {
         let file = run(&scene, 1, WHOLE, [0, pause], &[]);
@@ -200,7 +216,7 @@ fn a_resumed_run_learns_the_same_again() {
 
 #[test]
 fn parts_learn_the_same_and_merge() {
-    let scene = build();
+    let scene = Arc::new(build());
     let whole = picture(&run(&scene, 2, WHOLE, [0, COUNT], &[]));
     let mut merged = read(&run(&scene, 1, WHOLE, [11, COUNT], &[]));
     for samples in [[3, 11], [0, 3]] {
@@ -211,7 +227,7 @@ fn parts_learn_the_same_and_merge() {
 
 #[test]
 fn a_region_has_the_pixels_of_the_whole_picture() {
-    let scene = build();
+    let scene = Arc::new(build());
     let whole = picture(&run(&scene, 2, WHOLE, [0, COUNT], &[]));
     let region = Region { x: 7, y: 4, width: 9, height: 5 };
     let part = picture(&run(&scene, 2, region, [0, COUNT], &[]));
@@ -224,27 +240,23 @@ fn a_region_has_the_pixels_of_the_whole_picture() {
 
 #[test]
 fn what_is_learned_lowers_the_variance_and_not_the_mean() {
-    let scene = build();
-    let setup = &scene.sensors()[0];
-    let untrained = Learner::untrained();
-    let camera = Camera::new(&scene, setup, setup.sampler, &untrained);
+    let scene = Arc::new(build());
+    let camera = camera_of(&scene, untrained());
     let trained = camera.train(&workers(2), &Cancel::new()).unwrap().unwrap();
-    let light = |integrator: &dyn Integrator| -> Accumulator {
-        let camera = Camera::new(&scene, setup, setup.sampler, integrator);
+    let light = |integrator: Arc<dyn Integrator>| -> Accumulator {
+        let camera = camera_of(&scene, integrator);
         let ids = (0..20_000).map(|index| etendue_engine::SampleId { index, y: 6, x: 15 });
         ids.map(|id| f64::from(camera.replay(id).sample.color.max_component())).collect()
     };
-    let (before, after) = (light(&untrained), light(&*trained));
+    let (before, after) = (light(untrained()), light(trained.into()));
     assert!(welch(&before, &after).accepts(1e-4), "{} {}", before.mean(), after.mean());
     assert!(after.variance() * 2.0 < before.variance(), "{after:?} {before:?}");
 }
 
 #[test]
 fn training_can_be_cancelled() {
-    let scene = build();
-    let setup = &scene.sensors()[0];
-    let untrained = Learner::untrained();
-    let camera = Camera::new(&scene, setup, setup.sampler, &untrained);
+    let scene = Arc::new(build());
+    let camera = camera_of(&scene, untrained());
     let cancel = Cancel::new();
     cancel.cancel();
     let result = camera.train(&workers(1), &cancel);

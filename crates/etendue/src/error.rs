@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use etendue_engine::{EngineError, Region};
 
-use crate::{DiagnosticReport, SensorChoice};
+use crate::diagnostic_report::DiagnosticReport;
+use crate::options::SensorChoice;
 
 /// Why there is no picture.
 #[derive(Debug)]

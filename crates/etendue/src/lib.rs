@@ -34,8 +34,10 @@
 //! The same in steps, with news and a way to stop, is what the command line does:
 //!
 //! 1. [`Workers::new`] starts the threads; everything below runs on them.
-//! 2. [`load`] reads a scene file through [`Resources`] (such as [`Files`]). What was found wrong
-//!    is in [`Loaded::diagnostics`], every finding with its place.
+//! 2. [`load`] reads a scene file through [`Resources`] (such as [`Files`]); [`load_document`] takes
+//!    a [`Document`](document::Document) that was made in code. [`Loaded::diagnostics`] has every
+//!    error and warning with its place. [`LoadedScene::edited`] makes a scene of a changed document
+//!    and shares what has not changed.
 //! 3. [`RenderJob::new`] chooses a camera and a budget.
 //! 4. [`RenderJob::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
 //!    [`Rendering`].
@@ -55,9 +57,12 @@
 mod development;
 mod diagnostic_report;
 pub mod durable;
+mod edit;
 mod error;
 pub mod files;
+mod format;
 mod load;
+mod loaded_scene;
 pub mod merge;
 mod options;
 mod render_job;
@@ -85,7 +90,9 @@ pub use etendue_engine::{
     Statistics, Workers,
 };
 pub use files::Files;
-pub use load::{LoadTimes, Loaded, LoadedScene, load, load_node, load_text};
+pub use format::{FORMATS, Format};
+pub use load::{LoadTimes, Loaded, load, load_document, load_node, load_text};
+pub use loaded_scene::LoadedScene;
 pub use options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SampleChoice, SceneOptions, SensorChoice};
 pub use render_job::{RenderJob, render_file, render_node, render_text};
 pub use rendering::Rendering;

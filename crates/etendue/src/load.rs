@@ -1,36 +1,27 @@
-//! From a scene file to a scene that can be rendered.
+//! From a scene file, a text or a document to a scene that can be rendered.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use etendue_document::{
     Diagnostics, Document, DocumentOptions, Node, Resolver, Resources, Sources,
 };
-use etendue_integrators::{Integrator, build_integrator};
-use etendue_mitsuba::LoadOptions;
-use etendue_scene::{BuildOptions, Scene, gather_scene};
+use etendue_scene::{AssetCache, Identity};
 
-use crate::{DiagnosticReport, SceneOptions};
+use crate::diagnostic_report::DiagnosticReport;
+use crate::format::{self, ReadContext, SceneSource};
+use crate::loaded_scene::{Input, LoadedScene};
+use crate::options::SceneOptions;
 
-/// A scene that has been read.
+/// What comes of loading a scene.
 pub struct Loaded {
     /// What there is to render; `None` if there were errors.
-    pub content: Option<LoadedScene>,
+    pub scene: Option<LoadedScene>,
     /// Errors and warnings.
     pub diagnostics: DiagnosticReport,
     /// How long it took.
     pub times: LoadTimes,
-}
-
-/// A scene and how its light is computed.
-pub struct LoadedScene {
-    /// What light meets.
-    pub scene: Scene,
-    /// How it is computed.
-    pub integrator: Box<dyn Integrator>,
-    /// What the user decided over what the scene says, by name: with the scene's own hash it tells
-    /// whether two renders are of the same picture.
-    pub settings: Vec<(String, String)>,
 }
 
 /// Wall time of loading, by part.
@@ -42,7 +33,8 @@ pub struct LoadTimes {
     pub scene: Duration,
 }
 
-/// Reads a scene file with everything that it names.
+/// Reads a scene file with everything that it names. The [`Format`](crate::Format) is found by the
+/// first bytes of the file, or else by its extension.
 ///
 /// Errors do not end it early where it can go on, so that one run finds them all. Parallel parts
 /// run on the current thread pool: call it within [`crate::Workers::run`]. Relative paths start at
@@ -53,10 +45,7 @@ pub fn load(
     resources: &dyn Resources,
     options: &SceneOptions,
 ) -> Loaded {
-    let load_options = load_options(working_directory, options);
-    load_with(resources, options, |diagnostics| {
-        etendue_mitsuba::read_file(path, resources, &load_options, diagnostics)
-    })
+    load_source(&SceneSource::File(path), &working_directory, resources, options)
 }
 
 /// The same for a scene in memory. The files that it names are sought in `working_directory`.
@@ -66,10 +55,7 @@ pub fn load_text(
     resources: &dyn Resources,
     options: &SceneOptions,
 ) -> Loaded {
-    let load_options = load_options(working_directory, options);
-    load_with(resources, options, |diagnostics| {
-        etendue_mitsuba::read_text(text, resources, &load_options, diagnostics)
-    })
+    load_source(&SceneSource::Text(text), &working_directory, resources, options)
 }
 
 /// The same for a scene that was built in code. The files that it names are sought in
@@ -88,13 +74,39 @@ pub fn load_node(
     })
 }
 
-fn load_options(working_directory: PathBuf, options: &SceneOptions) -> LoadOptions {
-    LoadOptions {
-        defines: options.defines.clone(),
-        search_paths: options.search_paths.clone(),
-        working_directory,
-        ..LoadOptions::default()
-    }
+/// The same for a document that was made in code, or changed after it was read.
+pub fn load_document(
+    document: impl Into<Arc<Document>>,
+    resources: &dyn Resources,
+    options: &SceneOptions,
+) -> Loaded {
+    let cache = new_cache(options);
+    let input = Input { document: document.into(), identity: Identity::Nodes, cache };
+    build(input, resources, &Arc::new(options.clone()))
+}
+
+/// Builds the scene of a document that is there already.
+pub(crate) fn build(
+    input: Input,
+    resources: &dyn Resources,
+    options: &Arc<SceneOptions>,
+) -> Loaded {
+    let diagnostics = new_diagnostics(options);
+    let started = Instant::now();
+    let (scene, sources) = input.build(resources, &diagnostics, options);
+    let times = LoadTimes { document: Duration::ZERO, scene: started.elapsed() };
+    Loaded::new(scene, &diagnostics, sources, times)
+}
+
+fn load_source(
+    source: &SceneSource<'_>,
+    working_directory: &Path,
+    resources: &dyn Resources,
+    options: &SceneOptions,
+) -> Loaded {
+    load_with(resources, options, |diagnostics| {
+        format::read(source, &ReadContext { resources, working_directory, options, diagnostics })
+    })
 }
 
 fn load_with(
@@ -102,52 +114,42 @@ fn load_with(
     options: &SceneOptions,
     read: impl FnOnce(&Diagnostics) -> Result<Document, Sources>,
 ) -> Loaded {
-    let diagnostics = if options.strict { Diagnostics::strict() } else { Diagnostics::new() };
+    let diagnostics = new_diagnostics(options);
     let started = Instant::now();
     let document = read(&diagnostics);
     let document_time = started.elapsed();
-    let (content, sources) = match document {
-        Ok(document) => build(document, resources, &diagnostics, options),
+    let (scene, sources) = match document {
+        Ok(document) => {
+            let (document, cache) = (Arc::new(document), new_cache(options));
+            let input = Input { document, identity: Identity::Texts, cache };
+            input.build(resources, &diagnostics, &Arc::new(options.clone()))
+        }
         Err(sources) => (None, sources),
     };
-    let content = content.filter(|_| !diagnostics.has_errors());
-    let times = LoadTimes {
-        document: document_time,
-        scene: started.elapsed().saturating_sub(document_time),
-    };
-    Loaded { content, diagnostics: DiagnosticReport::new(&diagnostics, sources), times }
+    let scene_time = started.elapsed().saturating_sub(document_time);
+    let times = LoadTimes { document: document_time, scene: scene_time };
+    Loaded::new(scene, &diagnostics, sources, times)
 }
 
-/// What there is to render, and the texts that it was read from.
-fn build(
-    document: Document,
-    resources: &dyn Resources,
-    diagnostics: &Diagnostics,
-    options: &SceneOptions,
-) -> (Option<LoadedScene>, Sources) {
-    // Both, whatever becomes of the first: one run finds the mistakes of both.
-    let gathered = gather_scene(&document, resources, diagnostics, &options.build);
-    let integrator = build_integrator(&document, &options.integrator, diagnostics);
-    // Of a million instances, the document would stand beside the tree while that is built.
-    let sources = document.into_sources();
-    let scene = gathered.and_then(|gathered| gathered.build(diagnostics));
-    let content = scene.zip(integrator).map(|(scene, integrator)| LoadedScene {
-        scene,
-        integrator,
-        settings: settings(options),
-    });
-    (content, sources)
+fn new_diagnostics(options: &SceneOptions) -> Diagnostics {
+    if options.strict { Diagnostics::strict() } else { Diagnostics::new() }
 }
 
-/// What changes the picture. Where files are sought does not: their content is in the scene's hash.
-fn settings(options: &SceneOptions) -> Vec<(String, String)> {
-    // Which instructions rays use does not change the hits.
-    let build = BuildOptions { tier: None, ..options.build.clone() };
-    // As the compiler writes them out, so that an option that is added is not forgotten here.
-    let settings = [
-        ("definitions", format!("{:?}", options.defines)),
-        ("scene options", format!("{build:?}")),
-        ("integrator options", format!("{:?}", options.integrator)),
-    ];
-    settings.map(|(name, value)| (name.to_owned(), value)).into()
+fn new_cache(options: &SceneOptions) -> Option<Arc<AssetCache>> {
+    options.editable.then(Arc::default)
+}
+
+impl Loaded {
+    fn new(
+        scene: Option<LoadedScene>,
+        diagnostics: &Diagnostics,
+        sources: Sources,
+        times: LoadTimes,
+    ) -> Self {
+        Self {
+            scene: scene.filter(|_| !diagnostics.has_errors()),
+            diagnostics: DiagnosticReport::new(diagnostics, sources),
+            times,
+        }
+    }
 }

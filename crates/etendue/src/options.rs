@@ -20,8 +20,11 @@ pub struct SceneOptions {
     pub build: BuildOptions,
     /// How light is computed.
     pub integrator: IntegratorOptions,
-    /// Whether an unknown parameter is an error rather than a warning.
+    /// Whether unknown parameters are errors rather than warnings.
     pub strict: bool,
+    /// Whether the scene keeps its document, and what it was made of, for quick
+    /// [edits](crate::LoadedScene::edited). Without, the document makes room before the tree is built.
+    pub editable: bool,
 }
 
 /// How a scene is rendered.

@@ -1,21 +1,23 @@
 //! One camera of one scene, rendered.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use etendue_document::{MemoryResources, Node, Resources};
 use etendue_engine::{
-    Budget, Camera, FilmRecord, FilmSums, Host, Job, Region, SampleSource, Statistics, render_into,
+    Budget, Camera, Cancel, FilmRecord, FilmSums, Host, Job, Observer, Region, SampleSource,
+    Silent, Statistics, Workers, render_into,
 };
 use etendue_sampling::SamplerSpec;
 use etendue_scene::SensorSetup;
 
 use crate::development::{Development, hexadecimal};
-use crate::load::LoadedScene;
-use crate::options::DEFAULT_MEMORY_LIMIT;
-use crate::{
-    Cancel, Error, Files, Loaded, Observer, RenderOptions, Rendering, SceneOptions, SensorChoice,
-    Silent, Workers, load, load_node, load_text,
-};
+use crate::error::Error;
+use crate::files::Files;
+use crate::load::{Loaded, load, load_node, load_text};
+use crate::loaded_scene::LoadedScene;
+use crate::options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SceneOptions, SensorChoice};
+use crate::rendering::Rendering;
 
 /// Reads a scene file from disk and renders it: the whole way on one page.
 ///
@@ -70,28 +72,29 @@ fn render_loaded(
 ) -> Result<Rendering, Error> {
     let workers = Workers::new(options.threads)?;
     let loaded = workers.run(load);
-    let content = loaded.content.ok_or_else(|| Error::Scene(Box::new(loaded.diagnostics)))?;
-    RenderJob::new(&content, options)?.render(&workers, &Silent, &Cancel::new())
+    let scene = loaded.scene.ok_or_else(|| Error::Scene(Box::new(loaded.diagnostics)))?;
+    RenderJob::new(&scene, options)?.render(&workers, &Silent, &Cancel::new())
 }
 
-/// A camera that is ready to render.
-pub struct RenderJob<'a> {
-    camera: Camera<'a>,
-    content: &'a LoadedScene,
-    setup: &'a SensorSetup,
+/// A camera that is ready to render. It owns a share of its scene.
+#[derive(Clone)]
+pub struct RenderJob {
+    camera: Camera,
+    scene: LoadedScene,
+    sensor_index: usize,
     job: Job,
     planned_samples: u32,
 }
 
-impl<'a> RenderJob<'a> {
+impl RenderJob {
     /// Chooses a camera of the scene and what to spend on it.
     ///
     /// # Errors
     ///
     /// [`Error::Sensor`] if there is no such camera; [`Error::Region`] if the part to render does
     /// not lie within its film; [`Error::Samples`] if the samples do not lie within the plan.
-    pub fn new(content: &'a LoadedScene, options: &RenderOptions) -> Result<Self, Error> {
-        let setup = find_sensor(content, &options.sensor)?;
+    pub fn new(scene: &LoadedScene, options: &RenderOptions) -> Result<Self, Error> {
+        let (sensor_index, setup) = find_sensor(scene, &options.sensor)?;
         let own_count = setup.sampler.rounded_sample_count();
         // A time alone means as many samples as it has room for.
         let default_count = options.time_limit.is_none().then_some(own_count);
@@ -116,12 +119,17 @@ impl<'a> RenderJob<'a> {
             variance: options.variance,
             memory_limit: options.memory_limit.unwrap_or(DEFAULT_MEMORY_LIMIT),
         };
-        let camera = Camera::new(&content.scene, setup, sampler, &*content.integrator);
-        Ok(Self { camera, content, setup, job, planned_samples: planned })
+        let camera = Camera::new(
+            Arc::clone(&scene.scene),
+            setup.clone(),
+            sampler,
+            Arc::clone(&scene.integrator),
+        );
+        Ok(Self { camera, scene: scene.clone(), sensor_index, job, planned_samples: planned })
     }
 
     /// Where its samples come from, for replaying one.
-    pub fn camera(&self) -> &Camera<'a> {
+    pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
@@ -131,8 +139,8 @@ impl<'a> RenderJob<'a> {
     }
 
     /// The camera, its film and its sampler, as the scene says.
-    pub fn setup(&self) -> &'a SensorSetup {
-        self.setup
+    pub fn setup(&self) -> &SensorSetup {
+        self.camera.setup()
     }
 
     /// The bytes of memory that the film and the finished picture take; the scene has its own.
@@ -145,13 +153,12 @@ impl<'a> RenderJob<'a> {
     pub fn identity(&self) -> Vec<(String, String)> {
         let sampler = self.camera.sampler();
         let Region { x, y, width, height } = self.job.region;
-        let [columns, rows] = [self.setup.film.width, self.setup.film.height];
-        let sensors = self.content.scene.sensors();
-        let sensor = sensors.iter().position(|setup| std::ptr::eq(setup, self.setup));
+        let film = &self.setup().film;
+        let [columns, rows] = [film.width, film.height];
         let own = [
             ("version of Etendue", env!("CARGO_PKG_VERSION").to_owned()),
-            ("scene and its files", hexadecimal(&self.content.scene.content_hash())),
-            ("sensor", sensor.unwrap_or(0).to_string()),
+            ("scene and its files", hexadecimal(&self.scene.scene.content_hash())),
+            ("sensor", self.sensor_index.to_string()),
             ("film", format!("{columns}x{rows}")),
             ("pixels", format!("{width}x{height} from ({x}, {y})")),
             ("sampler", format!("{:?}", sampler.kind())),
@@ -161,7 +168,7 @@ impl<'a> RenderJob<'a> {
             ("variance", self.job.variance.to_string()),
         ];
         let own = own.map(|(name, value)| (name.to_owned(), value));
-        own.into_iter().chain(self.content.settings.iter().cloned()).collect()
+        own.into_iter().chain(self.scene.settings.iter().cloned()).collect()
     }
 
     /// What a file says about sums of this job that took so long.
@@ -175,8 +182,8 @@ impl<'a> RenderJob<'a> {
     }
 
     fn development(&self) -> Development {
-        let hash = self.content.scene.content_hash();
-        Development::new(self.setup, &hash, self.camera.sampler().seed())
+        let hash = self.scene.scene.content_hash();
+        Development::new(self.setup(), &hash, self.camera.sampler().seed())
     }
 
     /// Sums without samples.
@@ -228,15 +235,17 @@ impl<'a> RenderJob<'a> {
     }
 }
 
+/// A sensor and its position.
 fn find_sensor<'a>(
-    content: &'a LoadedScene,
+    scene: &'a LoadedScene,
     choice: &SensorChoice,
-) -> Result<&'a SensorSetup, Error> {
-    let sensors = content.scene.sensors();
-    let found = match choice {
-        SensorChoice::Index(index) => sensors.get(*index),
-        SensorChoice::Id(id) => sensors.iter().find(|setup| setup.id.as_ref() == Some(id)),
+) -> Result<(usize, &'a SensorSetup), Error> {
+    let sensors = scene.scene.sensors();
+    let index = match choice {
+        SensorChoice::Index(index) => Some(*index),
+        SensorChoice::Id(id) => sensors.iter().position(|setup| setup.id.as_ref() == Some(id)),
     };
+    let found = index.and_then(|index| Some((index, sensors.get(index)?)));
     found.ok_or_else(|| Error::Sensor {
         choice: choice.clone(),
         available: sensors.iter().map(|setup| setup.id.clone()).collect(),

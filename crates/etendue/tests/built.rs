@@ -88,8 +88,8 @@ fn bits(load: impl FnOnce() -> Loaded + Send) -> Vec<u32> {
     let workers = Workers::new(None).unwrap();
     let loaded = workers.run(load);
     assert!(loaded.diagnostics.list.is_empty(), "{:?}", loaded.diagnostics.list);
-    let content = loaded.content.unwrap();
-    let job = RenderJob::new(&content, &RenderOptions::default()).unwrap();
+    let scene = loaded.scene.unwrap();
+    let job = RenderJob::new(&scene, &RenderOptions::default()).unwrap();
     let rendering = job.render(&workers, &Silent, &Cancel::new()).unwrap();
     let channels = rendering.picture.channels.iter();
     channels.flat_map(|channel| channel.data.iter().map(|value| value.to_bits())).collect()

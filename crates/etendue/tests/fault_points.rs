@@ -58,40 +58,40 @@ const POINTS: [Point; 9] = [
     Point::After(WriteStep::Done),
 ];
 
-fn content() -> LoadedScene {
+fn loaded_scene() -> LoadedScene {
     let files = MemoryResources::default();
-    load_text(SCENE, PathBuf::new(), &files, &SceneOptions::default()).content.unwrap()
+    load_text(SCENE, PathBuf::new(), &files, &SceneOptions::default()).scene.unwrap()
 }
 
 /// Goes on with a film, or a new one, to so many samples.
-fn render(content: &LoadedScene, film: Option<FilmSums>, count: u32) -> (FilmSums, Picture) {
+fn render(scene: &LoadedScene, film: Option<FilmSums>, count: u32) -> (FilmSums, Picture) {
     let options = RenderOptions {
         samples_per_pixel: Some(count),
         planned_samples: Some(COUNTS[2]),
         ..RenderOptions::default()
     };
     let workers = Workers::new(NonZeroUsize::new(2)).unwrap();
-    let job = RenderJob::new(content, &options).unwrap();
+    let job = RenderJob::new(scene, &options).unwrap();
     let film = film.unwrap_or_else(|| job.new_film(&workers).unwrap());
     job.render_into(&film, &workers, &Silent, &Cancel::new()).unwrap();
     let picture = job.develop(&film, Statistics::default(), 0.0).picture;
     (film, picture)
 }
 
-fn record(content: &LoadedScene) -> etendue::FilmRecord {
+fn record(scene: &LoadedScene) -> etendue::FilmRecord {
     let options = RenderOptions { planned_samples: Some(COUNTS[2]), ..RenderOptions::default() };
-    RenderJob::new(content, &options).unwrap().record(1.0)
+    RenderJob::new(scene, &options).unwrap().record(1.0)
 }
 
 #[test]
 fn a_process_that_dies_anywhere_leaves_a_whole_checkpoint() {
-    let content = content();
-    let (_, expected) = render(&content, None, COUNTS[2]);
+    let scene = loaded_scene();
+    let (_, expected) = render(&scene, None, COUNTS[2]);
     for (index, point) in POINTS.into_iter().enumerate() {
         let folder = tempfile::tempdir().unwrap();
         let file = SumsFile::new(folder.path().join("a.checkpoint"));
-        let (film, _) = render(&content, None, COUNTS[0]);
-        file.write(&film, &record(&content)).unwrap();
+        let (film, _) = render(&scene, None, COUNTS[0]);
+        file.write(&film, &record(&scene)).unwrap();
 
         let program = std::env::current_exe().unwrap();
         let arguments = ["--exact", "write_and_die", "--include-ignored", "--test-threads", "1"];
@@ -107,7 +107,7 @@ fn a_process_that_dies_anywhere_leaves_a_whole_checkpoint() {
             (header.samples_per_pixel, film.samples_per_pixel()),
             (held, SamplesPerPixel::all(held))
         );
-        let (_, picture) = render(&content, Some(film), COUNTS[2]);
+        let (_, picture) = render(&scene, Some(film), COUNTS[2]);
         assert_eq!(picture.channels, expected.channels, "{point:?}");
         remove_abandoned(file.path());
         let left = std::fs::read_dir(folder.path()).unwrap().count();
@@ -123,10 +123,10 @@ fn write_and_die() {
         return;
     };
     let point = POINTS[point.parse::<usize>().unwrap()];
-    let content = content();
+    let scene = loaded_scene();
     let (_, film) = SumsFile::new(&place).read(1 << 30).unwrap();
-    let (film, _) = render(&content, Some(film), COUNTS[1]);
-    let record = record(&content);
+    let (film, _) = render(&scene, Some(film), COUNTS[1]);
+    let record = record(&scene);
     let write =
         |out: &mut dyn Write| film.write(&record, &mut Fatal { out, point, written: Cell::new(0) });
     let reached = |step: WriteStep| {

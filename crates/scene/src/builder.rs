@@ -3,12 +3,16 @@
 mod assets;
 mod attributes;
 mod colors;
+mod input;
+mod keep;
 mod media;
 mod shapes;
 
 pub use assets::Assets;
+pub use input::{BuildOptions, Identity, SceneInput};
 
 use crate::bsdf::Material;
+use crate::cache::AssetCache;
 use crate::emitter::{Emitter, read_sampling_weight};
 use crate::film::FilmSpec;
 use crate::ids::{MaterialId, MediumId, TextureId};
@@ -22,42 +26,29 @@ use crate::sensor::Sensor;
 use crate::shape::Geometry;
 use crate::texture::Texture;
 use crate::volume::Volume;
-use etendue_bvh::Tier;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
 use etendue_math::Transform;
 use std::collections::HashMap;
+use std::sync::Arc;
 
-/// What the user of the library decides about a scene, over what its file says.
-#[derive(Clone, Debug, Default)]
-pub struct BuildOptions {
-    /// The film's width and height in pixels.
-    pub film_size: Option<[u32; 2]>,
-    /// The part of the film that is rendered: x, y, width and height in pixels.
-    pub crop: Option<[u32; 4]>,
-    /// The film's reconstruction filter, by its XML `type`.
-    pub filter: Option<String>,
-    /// Whether a missing file is a warning, and the rest of the scene goes on.
-    pub skip_missing: bool,
-    /// The instructions that rays use; the fastest of this machine if none are named. The hits are
-    /// the same.
-    pub tier: Option<Tier>,
-}
-
-/// A scene that needs its document no more, and lacks the tree over everything. What takes most
+/// A scene that no longer needs its document and lacks the tree over everything. What takes most
 /// memory to read and what takes most to build need not be there at the same time.
 #[derive(Debug)]
-pub struct GatheredScene(Parts);
+pub struct GatheredScene {
+    parts: Parts,
+    cache: Option<Arc<AssetCache>>,
+}
 
 impl GatheredScene {
     /// Builds the tree. Errors go to `diagnostics`; `None` where there was one.
     #[must_use]
     pub fn build(self, diagnostics: &Diagnostics) -> Option<Scene> {
-        Scene::new(self.0, diagnostics)
+        Scene::new(self.parts, self.cache.as_deref(), diagnostics)
     }
 }
 
-/// Builds the frozen scene of a document, in one step. Arguments and errors are those of
-/// [`gather_scene`].
+/// Builds the frozen scene of a document, in one step. Errors and warnings go to `diagnostics`; `None`
+/// where there was an error. Files are read through `resources`, several at once.
 #[must_use]
 pub fn build_scene(
     document: &Document,
@@ -65,19 +56,20 @@ pub fn build_scene(
     diagnostics: &Diagnostics,
     options: &BuildOptions,
 ) -> Option<Scene> {
-    gather_scene(document, resources, diagnostics, options)?.build(diagnostics)
+    let input = SceneInput { document, resources, identity: Identity::Texts, cache: None };
+    gather_scene(&input, diagnostics, options)?.build(diagnostics)
 }
 
-/// Builds everything of the scene of a document but the tree over it. Errors and warnings go to `diagnostics`; `None` where
-/// there was an error. Files are read through `resources`, several at once.
+/// Builds everything of the scene of a document but the tree over it. Errors and warnings go to
+/// `diagnostics`; `None` where there was an error.
 #[must_use]
 pub fn gather_scene(
-    document: &Document,
-    resources: &dyn Resources,
+    input: &SceneInput<'_>,
     diagnostics: &Diagnostics,
     options: &BuildOptions,
 ) -> Option<GatheredScene> {
-    let assets = Assets::new(document, resources, diagnostics, options.skip_missing);
+    let document = input.document;
+    let assets = Assets::of(input, diagnostics, options);
     let loaded = assets.load();
     let mut builder = Builder::new(&assets, options);
     builder.textures_decoded = loaded.textures;
@@ -94,11 +86,11 @@ pub fn gather_scene(
     if diagnostics.has_errors() {
         return None;
     }
-    let hash = assets.content_hash();
+    let hash = assets.content_hash(input.identity);
     let Builder { materials, textures, media, emitter_weights, .. } = builder;
     let tier = options.tier;
     let parts = Parts { materials, textures, media, emitter_weights, hash, tier, ..parts };
-    Some(GatheredScene(parts))
+    Some(GatheredScene { parts, cache: input.cache.cloned() })
 }
 
 /// A 4×4 transform parameter; `None` after reporting one that has no inverse.

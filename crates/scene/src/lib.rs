@@ -12,6 +12,7 @@
 mod batch;
 pub mod bsdf;
 mod builder;
+mod cache;
 pub mod emitter;
 pub mod film;
 mod ids;
@@ -34,7 +35,10 @@ pub mod volume;
 
 pub use etendue_bvh::{Hit, Tier};
 
-pub use builder::{Assets, BuildOptions, Builder, GatheredScene, build_scene, gather_scene};
+pub use builder::{
+    Assets, BuildOptions, Builder, GatheredScene, Identity, SceneInput, build_scene, gather_scene,
+};
+pub use cache::AssetCache;
 pub use ids::{EmitterId, GroupId, InstanceId, MaterialId, MediumId, ShapeId, TextureId};
 pub use interaction::SurfaceInteraction;
 pub use lanes::{SurfaceBatch, SurfaceLanes};

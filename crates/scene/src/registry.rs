@@ -16,6 +16,7 @@ use crate::shape::{self, Geometry};
 use crate::texture::{self, Texture};
 use crate::volume::{self, Volume};
 use etendue_document::{Class, Fault, Parameters, list_names, near_names};
+use std::sync::Arc;
 
 /// One plugin of a family whose members are built by functions of type `F`.
 #[derive(Clone, Copy, Debug)]
@@ -124,7 +125,7 @@ pub static BSDFS: &[Plugin<BuildMaterial>] = &[
 /// The shapes with geometry of their own.
 pub static SHAPES: &[Plugin<BuildGeometry>] = &[
     plugin("bsplinecurve", &shape::bsplinecurve::MANUAL, |a, p| {
-        shape::bsplinecurve::build(a, p).map(|curve| Geometry::BSplineCurve(Box::new(curve)))
+        shape::bsplinecurve::build(a, p).map(|curve| Geometry::BSplineCurve(Arc::new(curve)))
     }),
     plugin("cube", &shape::cube::MANUAL, |_, p| shape::cube::build(p).map(Geometry::Mesh)),
     plugin("cylinder", &shape::cylinder::MANUAL, |_, p| {
@@ -132,13 +133,13 @@ pub static SHAPES: &[Plugin<BuildGeometry>] = &[
     }),
     plugin("disk", &shape::disk::MANUAL, |_, p| shape::disk::build(p).map(Geometry::Disk)),
     plugin("ellipsoids", &shape::ellipsoids::MANUAL, |a, p| {
-        shape::ellipsoids::build(a, p).map(|cloud| Geometry::Ellipsoids(Box::new(cloud)))
+        shape::ellipsoids::build(a, p).map(|cloud| Geometry::Ellipsoids(Arc::new(cloud)))
     }),
     plugin("ellipsoidsmesh", &shape::ellipsoidsmesh::MANUAL, |a, p| {
-        shape::ellipsoidsmesh::build(a, p).map(|cloud| Geometry::EllipsoidsMesh(Box::new(cloud)))
+        shape::ellipsoidsmesh::build(a, p).map(|cloud| Geometry::EllipsoidsMesh(Arc::new(cloud)))
     }),
     plugin("linearcurve", &shape::linearcurve::MANUAL, |a, p| {
-        shape::linearcurve::build(a, p).map(|curve| Geometry::LinearCurve(Box::new(curve)))
+        shape::linearcurve::build(a, p).map(|curve| Geometry::LinearCurve(Arc::new(curve)))
     }),
     plugin("mesh", &shape::mesh::MANUAL, |a, p| shape::mesh::build(a, p).map(Geometry::Mesh)),
     plugin("obj", &shape::obj::MANUAL, |a, p| shape::obj::build(a, p).map(Geometry::Mesh)),
@@ -147,10 +148,10 @@ pub static SHAPES: &[Plugin<BuildGeometry>] = &[
         shape::rectangle::build(p).map(Geometry::Mesh)
     }),
     plugin("revsurface", &shape::revsurface::MANUAL, |_, p| {
-        shape::revsurface::build(p).map(|surface| Geometry::RevSurface(Box::new(surface)))
+        shape::revsurface::build(p).map(|surface| Geometry::RevSurface(Arc::new(surface)))
     }),
     plugin("sdfgrid", &shape::sdfgrid::MANUAL, |a, p| {
-        shape::sdfgrid::build(a, p).map(|grid| Geometry::SdfGrid(Box::new(grid)))
+        shape::sdfgrid::build(a, p).map(|grid| Geometry::SdfGrid(Arc::new(grid)))
     }),
     plugin("serialized", &shape::serialized::MANUAL, |a, p| {
         shape::serialized::build(a, p).map(Geometry::Mesh)
@@ -250,7 +251,8 @@ pub static VOLUMES: &[Plugin<BuildVolume>] = &[
         volume::constvolume::build(b, p).map(Volume::Constant)
     }),
     plugin("gridvolume", &volume::gridvolume::MANUAL, |b, p| {
-        volume::gridvolume::build(b.assets, p).map(|grid| Volume::Grid(grid.into()))
+        let grid = b.assets.kept(p, &[], |a, p| volume::gridvolume::build(a, p).map(Arc::new));
+        grid.map(Volume::Grid)
     }),
 ];
 

@@ -1,10 +1,13 @@
 //! The frozen scene: immutable, flat, shared by all threads.
 
 mod statistics;
+mod tree;
 
 pub use self::statistics::SceneStatistics;
+pub(crate) use self::tree::{Tree, TreeContent};
 use crate::batch::LaneEmitters;
 use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
+use crate::cache::AssetCache;
 use crate::emitter::Emitter;
 use crate::film::FilmSpec;
 use crate::ids::{EmitterId, InstanceId, MaterialId, MediumId, ShapeId};
@@ -16,9 +19,7 @@ use crate::shape::instance::Instance;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
 use crate::texture::{Texture, Textures};
-use etendue_bvh::{
-    BuildOptions, Bvh, GeometryView, Hit, PrimitiveHit, Primitives, Tier, TriangleMeshView,
-};
+use etendue_bvh::{Bvh, Hit, PrimitiveHit, Primitives, Tier};
 use etendue_document::{Diagnostics, Fault};
 use etendue_math::lanes::{Level, Real, baseline};
 use etendue_math::{Bounds3, Ray};
@@ -58,6 +59,9 @@ pub(crate) struct Parts {
     /// The shapes that media end at.
     pub(crate) medium_interfaces: Vec<(ShapeId, MediumInterface)>,
     pub(crate) sensors: Vec<SensorSetup>,
+    /// Digests of the shapes' geometry and of the groups' trees; only where there is a cache.
+    pub(crate) geometry_digests: Vec<u128>,
+    pub(crate) group_digests: Vec<u128>,
     pub(crate) hash: [u8; 32],
     /// The instructions that rays use, if not the fastest.
     pub(crate) tier: Option<Tier>,
@@ -66,7 +70,7 @@ pub(crate) struct Parts {
 /// Everything that light meets.
 #[derive(Debug)]
 pub struct Scene {
-    bvh: Bvh,
+    bvh: Arc<Bvh>,
     level: Level,
     shapes: Vec<Shape>,
     /// How many shapes, from the first, stand in the scene rather than in groups.
@@ -96,36 +100,6 @@ pub struct EmitterChoice {
     pub emitter: EmitterId,
     /// The probability of having chosen it.
     pub probability: f32,
-}
-
-/// The tree over shapes, and after them instances, which place `groups`.
-pub(crate) fn build_tree(
-    shapes: &[Shape],
-    (instances, groups): (&[Instance], &[Group]),
-    tier: Option<Tier>,
-) -> Result<Bvh, String> {
-    let boxes: Vec<Vec<Bounds3>> =
-        shapes.iter().map(|shape| shape.geometry.primitive_boxes()).collect();
-    let views: Vec<GeometryView<'_>> = shapes
-        .iter()
-        .zip(&boxes)
-        .map(|(shape, boxes)| match &shape.geometry {
-            Geometry::Mesh(mesh) => GeometryView::Triangles(TriangleMeshView {
-                positions: mesh.positions(),
-                indices: mesh.triangles(),
-            }),
-            _ => GeometryView::User(boxes),
-        })
-        .chain(instances.iter().map(|instance| GeometryView::Instance {
-            group: Arc::clone(&groups[instance.group.index()].bvh),
-            to_world: instance.to_world().affine(),
-        }))
-        .collect();
-    let bvh = Bvh::build(&views, &BuildOptions::default()).map_err(|error| error.to_string())?;
-    Ok(match tier {
-        Some(tier) => bvh.with_tier(tier),
-        None => bvh,
-    })
 }
 
 /// The instructions for shading that belong to those for rays.
@@ -168,11 +142,21 @@ pub(crate) fn choose_evenly<R: Real>(random: R, count: usize) -> (R, R) {
 }
 
 impl Scene {
-    pub(crate) fn new(parts: Parts, diagnostics: &Diagnostics) -> Option<Self> {
+    pub(crate) fn new(
+        parts: Parts,
+        cache: Option<&AssetCache>,
+        diagnostics: &Diagnostics,
+    ) -> Option<Self> {
         let top_level = parts.top_level_shapes.unwrap_or(parts.shapes.len());
-        let placed = (parts.instances.as_slice(), parts.groups.as_slice());
-        let bvh = match build_tree(&parts.shapes[..top_level], placed, parts.tier) {
-            Ok(bvh) => bvh,
+        let content = TreeContent {
+            shapes: &parts.shapes[..top_level],
+            instances: &parts.instances,
+            groups: &parts.groups,
+            geometry_digests: parts.geometry_digests.get(..top_level).unwrap_or_default(),
+            group_digests: &parts.group_digests,
+        };
+        let bvh = match content.build(parts.tier, cache) {
+            Ok(tree) => tree.bvh,
             Err(problem) => {
                 diagnostics.error(Fault::Geometry, None, problem);
                 return None;
@@ -422,6 +406,12 @@ impl Scene {
             Geometry::Mesh(mesh) => Some(mesh),
             _ => None,
         })
+    }
+
+    /// The tree over everything. Scenes that differ in other things may share it.
+    #[must_use]
+    pub fn tree(&self) -> &Arc<Bvh> {
+        &self.bvh
     }
 
     /// The box around everything.

@@ -32,6 +32,7 @@ use etendue_bvh::Hit;
 use etendue_math::lanes::{Real, Vector3};
 use etendue_math::{Bounds3, Frame, Ray};
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// A shape of the scene with what it is made of.
 #[derive(Clone, Debug)]
@@ -44,7 +45,7 @@ pub struct Shape {
     pub emitter: Option<EmitterId>,
 }
 
-/// The kinds of geometry.
+/// The kinds of geometry. What is large is shared by its clones.
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// Triangles.
@@ -56,17 +57,17 @@ pub enum Geometry {
     /// A cylinder without caps.
     Cylinder(cylinder::Cylinder),
     /// A surface of revolution.
-    RevSurface(Box<revsurface::RevSurface>),
+    RevSurface(Arc<revsurface::RevSurface>),
     /// Straight tubes.
-    LinearCurve(Box<linearcurve::LinearCurve>),
+    LinearCurve(Arc<linearcurve::LinearCurve>),
     /// Tubes along splines.
-    BSplineCurve(Box<bsplinecurve::BSplineCurve>),
+    BSplineCurve(Arc<bsplinecurve::BSplineCurve>),
     /// A signed distance on a grid.
-    SdfGrid(Box<sdfgrid::SdfGrid>),
+    SdfGrid(Arc<sdfgrid::SdfGrid>),
     /// A cloud of ellipsoids.
-    Ellipsoids(Box<ellipsoids::Ellipsoids>),
+    Ellipsoids(Arc<ellipsoids::Ellipsoids>),
     /// A cloud of ellipsoids in shells of triangles.
-    EllipsoidsMesh(Box<ellipsoidsmesh::EllipsoidsMesh>),
+    EllipsoidsMesh(Arc<ellipsoidsmesh::EllipsoidsMesh>),
 }
 
 /// Where on a surface a ray arrives, before the frame and coordinates that the caller may not need.
@@ -198,7 +199,7 @@ impl Geometry {
     pub fn prepare_sampling(&mut self) {
         match self {
             Self::Mesh(mesh) => mesh.prepare_sampling(),
-            Self::RevSurface(surface) => surface.prepare_sampling(),
+            Self::RevSurface(surface) => Arc::make_mut(surface).prepare_sampling(),
             _ => {}
         }
     }

@@ -85,8 +85,8 @@ fn render(
     let options = RenderOptions { samples_per_pixel: Some(samples), ..RenderOptions::default() };
     let path = PathBuf::from(format!("scenes/{}/scene.xml", section.scene));
     let loaded = workers.run(|| load(&path, root(), &Files::default(), &scene_options));
-    let content = loaded.content.ok_or_else(|| loaded.diagnostics.to_string())?;
-    let job = RenderJob::new(&content, &options).map_err(|error| error.to_string())?;
+    let scene = loaded.scene.ok_or_else(|| loaded.diagnostics.to_string())?;
+    let job = RenderJob::new(&scene, &options).map_err(|error| error.to_string())?;
     let rendering =
         job.render(workers, &Silent, &Cancel::new()).map_err(|error| error.to_string())?;
     if rendering.statistics.defects.total() > 0 {

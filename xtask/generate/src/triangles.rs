@@ -31,10 +31,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     let workers = Workers::new(None).map_err(|error| error.to_string())?;
     let loaded =
         workers.run(|| load(&arguments.scene, here, &Files::default(), &SceneOptions::default()));
-    let content = loaded.content.ok_or_else(|| loaded.diagnostics.to_string())?;
+    let scene = loaded.scene.ok_or_else(|| loaded.diagnostics.to_string())?;
     let message = |error: std::io::Error| format!("{}: {error}", arguments.output.display());
     let mut file = BufWriter::new(File::create(&arguments.output).map_err(message)?);
-    write(&content.scene, &mut file).and_then(|()| file.flush()).map_err(message)
+    write(&scene.scene, &mut file).and_then(|()| file.flush()).map_err(message)
 }
 
 fn write(scene: &Scene, file: &mut impl Write) -> std::io::Result<()> {

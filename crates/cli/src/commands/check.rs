@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             let summary = diagnostics::summary(&loaded.diagnostics);
             terminal::result(&format!("{}: {summary}\n", path.display()))?;
         }
-        if loaded.content.is_none() {
+        if loaded.scene.is_none() {
             status = Status::BadInput;
         }
     }

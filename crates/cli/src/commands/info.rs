@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use etendue::bvh::Tier;
-use etendue::scene::SensorSetup;
+use etendue::scene::{Scene, SensorSetup};
 use etendue::{Loaded, LoadedScene, Workers};
 use serde_json::{Value, json};
 
@@ -41,15 +41,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     let loaded = arguments.scene.load(path, &workers)?;
     diagnostics::show(&loaded.diagnostics, arguments.scene.detail());
-    let Some(content) = &loaded.content else {
+    let Some(LoadedScene { scene, .. }) = &loaded.scene else {
         return Ok(Status::BadInput);
     };
     let shown = if arguments.json {
-        let mut shown = as_json(&loaded, content);
+        let mut shown = as_json(&loaded, scene);
         shown["program"] = program_as_json(&program);
         format!("{shown:#}\n")
     } else {
-        rows_as_text(&program) + &as_text(&loaded, content)
+        rows_as_text(&program) + &as_text(&loaded, scene)
     };
     terminal::result(&shown)?;
     Ok(Status::Fine)
@@ -77,9 +77,9 @@ fn rows_as_text(rows: &[Row]) -> String {
     rows.iter().map(|(name, value)| format!("{name:<10} {value}\n")).collect()
 }
 
-fn as_text(loaded: &Loaded, content: &LoadedScene) -> String {
-    let statistics = content.scene.statistics();
-    let bounds = content.scene.bounds();
+fn as_text(loaded: &Loaded, scene: &Scene) -> String {
+    let statistics = scene.statistics();
+    let bounds = scene.bounds();
     let emitters = statistics.emitters.iter().map(|(kind, count)| format!("{count} {kind}"));
     let emitters: Vec<String> = emitters.collect();
     let rows = [
@@ -91,7 +91,7 @@ fn as_text(loaded: &Loaded, content: &LoadedScene) -> String {
         ("media", grouped(statistics.media)),
         ("emitters", if emitters.is_empty() { "none".into() } else { emitters.join(", ") }),
         ("bounds", format!("{} to {}", point(bounds.min), point(bounds.max))),
-        ("sensors", sensors(content).join("; ")),
+        ("sensors", sensors(scene).join("; ")),
         (
             "memory",
             format!(
@@ -121,18 +121,18 @@ fn point(point: impl Into<[f32; 3]>) -> String {
 }
 
 /// `0: 640x360, 64 samples per pixel`.
-fn sensors(content: &LoadedScene) -> Vec<String> {
+fn sensors(scene: &Scene) -> Vec<String> {
     let describe = |(index, setup): (usize, &SensorSetup)| {
         let id = setup.id.as_ref().map(|id| format!(" `{id}`")).unwrap_or_default();
         let (film, count) = (&setup.film, setup.sampler.rounded_sample_count());
         format!("{index}{id}: {}x{}, {count} samples per pixel", film.width, film.height)
     };
-    content.scene.sensors().iter().enumerate().map(describe).collect()
+    scene.sensors().iter().enumerate().map(describe).collect()
 }
 
-fn as_json(loaded: &Loaded, content: &LoadedScene) -> Value {
-    let statistics = content.scene.statistics();
-    let bounds = content.scene.bounds();
+fn as_json(loaded: &Loaded, scene: &Scene) -> Value {
+    let statistics = scene.statistics();
+    let bounds = scene.bounds();
     let sensor = |setup: &SensorSetup| {
         json!({
             "id": setup.id,
@@ -150,7 +150,7 @@ fn as_json(loaded: &Loaded, content: &LoadedScene) -> Value {
         "media": statistics.media,
         "emitters": statistics.emitters,
         "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
-        "sensors": content.scene.sensors().iter().map(sensor).collect::<Vec<_>>(),
+        "sensors": scene.sensors().iter().map(sensor).collect::<Vec<_>>(),
         "memory_bytes": {
             "meshes": statistics.mesh_bytes,
             "trees": statistics.tree_bytes,
@@ -161,7 +161,7 @@ fn as_json(loaded: &Loaded, content: &LoadedScene) -> Value {
             "document": loaded.times.document.as_secs_f64(),
             "scene": loaded.times.scene.as_secs_f64(),
         },
-        "hash": hexadecimal(&content.scene.content_hash()),
+        "hash": hexadecimal(&scene.content_hash()),
         "findings": diagnostics::as_json(&loaded.diagnostics),
     })
 }

@@ -141,18 +141,18 @@ impl Host<'_> {
         };
         let loaded = arguments.scene.load(path, self.workers)?;
         diagnostics::show(&loaded.diagnostics, arguments.scene.detail());
-        let Some(content) = &loaded.content else {
+        let Some(loaded_scene) = &loaded.scene else {
             return Ok(Status::BadInput);
         };
         let planned = header.as_ref().map(|header| header.record.planned_samples);
-        let job = RenderJob::new(content, &options(arguments, planned));
+        let job = RenderJob::new(loaded_scene, &options(arguments, planned));
         let job = job.map_err(|error| failure(path, error))?;
         if let Some(id) = arguments.replay {
             replay::show(&job, id)?;
             return Ok(Status::Fine);
         }
         if !arguments.scene.quiet {
-            report::memory(content, &job);
+            report::memory(&loaded_scene.scene, &job);
         }
         let film = match (&checkpoint, &header) {
             (Some(checkpoint), Some(header)) => {
@@ -254,7 +254,7 @@ impl Host<'_> {
                 && let Err(error) = checkpoint.remove()
             {
                 let name = checkpoint.path().display();
-                terminal::warning(&format!("{name} is needed no more, but stays: {error}"));
+                terminal::warning(&format!("{name} could not be removed: {error}"));
             }
         }
         if let Some(checkpoint) = run.checkpoint.as_ref().filter(|_| is_kept) {
@@ -274,7 +274,7 @@ impl Host<'_> {
 
 /// One scene that is rendered.
 struct Run<'a> {
-    job: &'a RenderJob<'a>,
+    job: &'a RenderJob,
     film: &'a FilmSums,
     outputs: &'a Outputs,
     /// Where the samples are kept, if they are.

@@ -106,6 +106,7 @@ impl SceneArguments {
                 emitter_sampling: !self.no_emitter_sampling,
             },
             strict: self.strict,
+            editable: false,
         }
     }
 }

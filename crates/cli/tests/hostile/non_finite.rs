@@ -60,7 +60,7 @@ fn they_are_counted_and_left_out() {
 fn a_texture_that_is_not_finite_is_told_when_it_is_read() {
     let (_, outcome) = render(f32::NAN);
     let warning = outcome.stderr.split("warning: ").nth(1).unwrap();
-    assert!(warning.contains("light.pfm holds values that are no finite numbers"), "{warning}");
+    assert!(warning.contains("light.pfm holds values that are not finite"), "{warning}");
     assert!(warning.contains("a scene.xml:7:"), "{warning}");
 }
 

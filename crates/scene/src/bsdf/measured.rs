@@ -5,7 +5,7 @@ mod grids;
 mod tensor_file;
 
 use super::{BsdfSample, Closure, Lobe, Transport};
-use crate::builder::Builder;
+use crate::builder::{Assets, Builder};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::fresnel;
@@ -38,7 +38,11 @@ pub struct Measured {
 
 /// Reads the file.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Measured> {
-    let (path, bytes) = builder.assets.read_file(parameters, "filename")?;
+    builder.assets.kept(parameters, &[], read)
+}
+
+fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Measured> {
+    let (path, bytes) = assets.read_file(parameters, "filename")?;
     match Measurement::read(&bytes) {
         Ok(measurement) => Some(Measured { measurement: Arc::new(measurement) }),
         Err(problem) => {

@@ -1,5 +1,7 @@
 //! Files: found, read, hashed and decoded, several at once.
 
+use super::input::{BuildOptions, Identity, SceneInput};
+use crate::cache::{AssetCache, Digest, NodeDigests};
 use crate::models::mesh::{Mesh, MeshOptions};
 use crate::registry::{self, find};
 use crate::shape::Geometry;
@@ -11,10 +13,11 @@ use etendue_document::{
 use etendue_math::Bounds3;
 use etendue_mesh::{MeshError, TriangleMesh};
 use rayon::prelude::*;
+use std::any::Any;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::{self, Debug};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// What plugins are built from: the document, bytes by name, and where findings go.
@@ -25,12 +28,34 @@ pub struct Assets<'a> {
     pub resources: &'a dyn Resources,
     /// Where errors and warnings go.
     pub diagnostics: &'a Diagnostics,
+    /// What earlier scenes were made of, and where what this one is made of is kept.
+    pub(super) cache: Option<&'a AssetCache>,
+    /// Of every node, where anybody asks for them.
+    pub(super) digests: Option<Arc<NodeDigests>>,
     skip_missing: bool,
-    /// A hash of every file read so far: XXH3 with 128 bits, which takes a fifth of the time of
-    /// BLAKE3. That was a sixteenth of loading a large scene. Chance cannot make two files agree.
-    hashes: Mutex<BTreeMap<PathBuf, u128>>,
+    log: Mutex<Log>,
+}
+
+/// What became of the files that were asked for.
+#[derive(Default)]
+struct Log {
+    read: Vec<FileRead>,
     /// Files that were not found, and where they are named.
-    not_found: Mutex<Vec<(Span, NotFound)>>,
+    not_found: Vec<(Span, NotFound)>,
+}
+
+/// A file that was read.
+#[derive(Clone)]
+pub(super) struct FileRead {
+    /// As the scene names it.
+    pub(super) name: String,
+    /// Where the scene names it.
+    pub(super) span: Span,
+    /// Where it was found.
+    pub(super) path: PathBuf,
+    /// XXH3 of its bytes with 128 bits, which takes a fifth of the time of BLAKE3. That was a sixteenth
+    /// of loading a large scene. Chance cannot make two files agree.
+    pub(super) hash: u128,
 }
 
 /// Near names are sought for this many missing files: for each, whole folders are listed.
@@ -51,10 +76,17 @@ pub(super) struct Decoded<'a> {
     pub(super) texture: Option<Texture>,
 }
 
+/// Something made of a node, and a digest of all that decides it, its files included.
+pub(super) struct Made<T> {
+    pub(super) value: T,
+    /// Zero where nothing is kept.
+    pub(super) digest: u128,
+}
+
 /// The geometry of a shape, built ahead of its material.
 pub(super) struct LoadedShape<'a> {
     pub(super) parameters: Parameters<'a>,
-    pub(super) geometry: Option<Geometry>,
+    pub(super) geometry: Option<Made<Geometry>>,
 }
 
 /// Everything that could be built in parallel.
@@ -70,16 +102,55 @@ impl<'a> Assets<'a> {
         document: &'a Document,
         resources: &'a dyn Resources,
         diagnostics: &'a Diagnostics,
-        skip_missing: bool,
     ) -> Self {
         Self {
             document,
             resources,
             diagnostics,
-            skip_missing,
-            hashes: Mutex::default(),
-            not_found: Mutex::default(),
+            cache: None,
+            digests: None,
+            skip_missing: false,
+            log: Mutex::default(),
         }
+    }
+
+    /// The same where a missing file is a warning, if `options` say so, and which keep what is
+    /// expensive in a cache.
+    pub(super) fn of(
+        input: &SceneInput<'a>,
+        diagnostics: &'a Diagnostics,
+        options: &BuildOptions,
+    ) -> Self {
+        Self {
+            cache: input.cache.map(|cache| &**cache),
+            digests: input.cache.map(|_| Arc::new(NodeDigests::new(input.document))),
+            skip_missing: options.skip_missing,
+            ..Self::new(input.document, input.resources, diagnostics)
+        }
+    }
+
+    /// The same with a log of its own, which tells `diagnostics` what it finds.
+    pub(super) fn recording<'b>(&'b self, diagnostics: &'b Diagnostics) -> Assets<'b> {
+        Assets { diagnostics, digests: self.digests.clone(), log: Mutex::default(), ..*self }
+    }
+
+    /// Takes over the log of [`Self::recording`]; returns the files that it holds.
+    pub(super) fn absorb(&self, recording: Assets<'_>) -> Vec<FileRead> {
+        let Log { read, not_found } =
+            recording.log.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.log().not_found.extend(not_found);
+        self.note_files(read.clone());
+        read
+    }
+
+    /// Counts files as read.
+    pub(super) fn note_files(&self, files: Vec<FileRead>) {
+        self.log().read.extend(files);
+    }
+
+    /// A thread that panicked while it held the lock cannot have left an entry half written.
+    fn log(&self) -> MutexGuard<'_, Log> {
+        self.log.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Builds the geometry of all shapes and decodes all pictures, several at once.
@@ -155,11 +226,13 @@ impl<'a> Assets<'a> {
 
     fn load_shape(&self, id: NodeId) -> LoadedShape<'_> {
         let parameters = self.document.parameters(id, self.diagnostics);
-        let build = find(registry::SHAPES, &parameters);
-        let geometry = build.and_then(|build| build(self, &parameters));
-        if let Some(geometry) = &geometry {
-            self.check_extent(geometry, parameters.span());
-        }
+        let geometry = find(registry::SHAPES, &parameters).and_then(|build| {
+            self.kept_with_digest(&parameters, &[], |assets, parameters| {
+                let geometry = build(assets, parameters)?;
+                assets.check_extent(&geometry, parameters.span());
+                Some(geometry)
+            })
+        });
         LoadedShape { parameters, geometry }
     }
 
@@ -178,10 +251,7 @@ impl<'a> Assets<'a> {
         let path = match self.document.resolve(file_name, span, self.resources) {
             Ok(path) => path,
             Err(not_found) => {
-                self.not_found
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .push((span, not_found));
+                self.log().not_found.push((span, not_found));
                 return None;
             }
         };
@@ -192,7 +262,8 @@ impl<'a> Assets<'a> {
                 None
             }
             Ok(bytes) => {
-                self.remember(&path, &bytes);
+                let (name, hash) = (file_name.to_owned(), xxh3_128(&bytes));
+                self.log().read.push(FileRead { name, span, path: path.clone(), hash });
                 Some((path, bytes))
             }
             Err(ResourceError::NotFound) => {
@@ -206,6 +277,39 @@ impl<'a> Assets<'a> {
                 None
             }
         }
+    }
+
+    /// Where the file that is called `file_name` at `span` lies, if there is one and anything that was
+    /// made of it may be kept.
+    pub(crate) fn find_kept_file(&self, file_name: &str, span: Span) -> Option<PathBuf> {
+        self.cache?;
+        self.document.resolve(file_name, span, self.resources).ok()
+    }
+
+    /// What has been made of a file for an earlier scene, in the way that `way` names.
+    pub(crate) fn kept_of_file<T: Any + Clone + Send + Sync>(
+        &self,
+        path: &Path,
+        way: &str,
+    ) -> Option<T> {
+        let kept = self.cache?.find::<OfFile<T>>(file_digest(path, way))?;
+        self.note_files(vec![kept.file.clone()]);
+        Some(kept.value.clone())
+    }
+
+    /// Keeps what was made of a file, which has been read, in the way that `way` names.
+    pub(crate) fn keep_of_file<T: Any + Clone + Send + Sync>(
+        &self,
+        path: &Path,
+        way: &str,
+        value: &T,
+    ) {
+        let Some(cache) = self.cache else { return };
+        let Some(file) = self.log().read.iter().rfind(|file| file.path == path).cloned() else {
+            return;
+        };
+        let kept = OfFile { value: value.clone(), file };
+        cache.keep(file_digest(path, way), Arc::new(kept), vec![path.to_owned()]);
     }
 
     /// Reports a shape without any surface, and one that reaches beyond all numbers.
@@ -229,8 +333,7 @@ impl<'a> Assets<'a> {
     /// Reports the files that were not found, in the order of the page, those that come first with
     /// the names of files that resemble them. To be called when everything has been built.
     pub fn report_not_found(&self) {
-        let mut list =
-            std::mem::take(&mut *self.not_found.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut list = std::mem::take(&mut self.log().not_found);
         list.sort_by_key(|(span, _)| *span);
         for (index, (span, not_found)) in list.iter().enumerate() {
             let mut diagnostic =
@@ -268,30 +371,40 @@ impl<'a> Assets<'a> {
             .ok()
     }
 
-    fn remember(&self, path: &Path, bytes: &[u8]) {
-        let hash = xxh3_128(bytes);
-        // A panic elsewhere cannot leave the map half written.
-        self.hashes.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), hash);
-    }
-
-    /// The hash of everything the scene was built from: the texts, or the nodes where there are none,
-    /// and every file read.
-    pub(super) fn content_hash(&self) -> [u8; 32] {
+    /// The hash of everything the scene was built from: the texts or the nodes, and every file read.
+    pub(super) fn content_hash(&self, identity: Identity) -> [u8; 32] {
         let mut hasher = blake3::Hasher::new();
-        for source in self.document.sources.iter() {
-            for piece in source.pieces() {
+        let texts = self.document.sources.iter();
+        let has_texts = self.document.sources.iter().next().is_some();
+        if identity == Identity::Texts && has_texts {
+            for piece in texts.flat_map(|source| source.pieces()) {
                 hasher.update(&piece);
             }
-        }
-        // What was built in code has no text.
-        if self.document.sources.iter().next().is_none() {
+        } else {
             self.document.for_each_byte(|bytes| {
                 hasher.update(bytes);
             });
         }
-        for hash in self.hashes.lock().unwrap_or_else(PoisonError::into_inner).values() {
+        // Each once, in an order that no thread decides.
+        let log = self.log();
+        let hashes: BTreeMap<&Path, u128> =
+            log.read.iter().map(|file| (file.path.as_path(), file.hash)).collect();
+        for hash in hashes.values() {
             hasher.update(&hash.to_le_bytes());
         }
         hasher.finalize().into()
     }
+}
+
+/// What was made of a file, and the file.
+struct OfFile<T> {
+    value: T,
+    file: FileRead,
+}
+
+fn file_digest(path: &Path, way: &str) -> u128 {
+    let mut digest = Digest::default();
+    digest.path(path);
+    digest.text(way);
+    digest.finish()
 }

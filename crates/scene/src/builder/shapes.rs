@@ -1,11 +1,11 @@
 //! Shapes, groups and instances.
 
-use super::assets::LoadedShape;
+use super::assets::{LoadedShape, Made};
 use super::{Builder, read_transform};
 use crate::emitter::{Emitter, read_sampling_weight};
 use crate::ids::{EmitterId, GroupId, MaterialId, ShapeId};
 use crate::registry;
-use crate::scene::{Parts, build_tree};
+use crate::scene::{Parts, Tree, TreeContent};
 use crate::shape::instance::Instance;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
@@ -41,7 +41,7 @@ impl<'a> Builder<'a> {
     fn add_shape(&mut self, loaded: LoadedShape<'_>, parts: &mut Parts) {
         let LoadedShape { parameters, geometry } = loaded;
         let material = self.shape_material(&parameters);
-        let Some(mut geometry) = geometry else { return };
+        let Some(Made { value: mut geometry, digest }) = geometry else { return };
         self.keep_attributes(&parameters, &mut geometry);
         let id = ShapeId(parts.shapes.len() as u32);
         let emitter = self.shape_emitter(&parameters, id).map(|emitter| {
@@ -60,6 +60,9 @@ impl<'a> Builder<'a> {
         }
         parameters.finish();
         parts.shapes.push(Shape { geometry, material, emitter });
+        if self.assets.cache.is_some() {
+            parts.geometry_digests.push(digest);
+        }
     }
 
     fn shape_material(&mut self, parameters: &Parameters<'_>) -> MaterialId {
@@ -110,14 +113,16 @@ impl<'a> Builder<'a> {
             placed.push(node);
         }
         let mut first = parts.shapes.len() as u32;
-        for Parts { shapes, medium_interfaces, .. } in &grouped {
+        for Parts { shapes, medium_interfaces, geometry_digests, .. } in &grouped {
             let in_scene = |id: ShapeId| ShapeId(first + id.0);
             parts
                 .medium_interfaces
                 .extend(medium_interfaces.iter().map(|&(id, media)| (in_scene(id), media)));
-            match build_tree(shapes, (&[], &[]), self.options.tier) {
-                Ok(bvh) => {
-                    parts.groups.push(Group { bvh: bvh.into(), first_shape: ShapeId(first) })
+            let content = TreeContent { shapes, geometry_digests, ..TreeContent::default() };
+            match content.build(self.options.tier, self.assets.cache) {
+                Ok(Tree { bvh, digest }) => {
+                    parts.groups.push(Group { bvh, first_shape: ShapeId(first) });
+                    parts.group_digests.push(digest);
                 }
                 Err(problem) => {
                     self.assets.diagnostics.error(Fault::Geometry, None, problem);

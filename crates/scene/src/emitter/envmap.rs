@@ -11,6 +11,7 @@ use etendue_sampling::Distribution2D;
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -39,10 +40,16 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<emitter type="envmap"><string name="filename" value="sample.exr"/><float name="scale" value="2"/></emitter>"#,
 };
 
-/// A picture of the surroundings.
+/// A picture of the surroundings. Clones share the picture.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     to_world: Transform,
+    picture: Arc<Panorama>,
+}
+
+/// The picture, with what choosing directions by its light needs.
+#[derive(Debug)]
+struct Panorama {
     width: usize,
     height: usize,
     /// Radiance by rows from the top, red green blue.
@@ -54,13 +61,20 @@ pub struct EnvironmentMap {
 /// Reads the picture and prepares its sampling.
 #[must_use]
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<EnvironmentMap> {
+    let to_world = read_transform(parameters, "to_world");
+    let picture = builder.assets.kept(parameters, &["to_world"], |assets, parameters| {
+        read_picture(assets, parameters).map(Arc::new)
+    });
+    Some(EnvironmentMap { to_world: to_world?, picture: picture? })
+}
+
+fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Panorama> {
     let scale = parameters.float_in("scale", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
-    let to_world = read_transform(parameters, "to_world")?;
     let in_memory = parameters.has("data");
     let (name, bitmap) = if in_memory {
         ("`data`".to_owned(), picture_in_memory::read(parameters)?)
     } else {
-        read_file(builder.assets, parameters)?
+        read_file(assets, parameters)?
     };
     let image = bitmap.to_color_image();
     let size = [image.width as usize, image.height as usize];
@@ -69,14 +83,14 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<E
         true => Compensation::AboveMean,
         false => Compensation::None,
     };
-    let map = EnvironmentMap::new(to_world, size, texels, compensation);
-    if map.is_none() {
+    let picture = Panorama::new(size, texels, compensation);
+    if picture.is_none() {
         let message =
             format!("{name}: the picture must hold finite values of zero or more, and some light");
         let source = if in_memory { "data" } else { "filename" };
         parameters.error(Fault::BadValue, source, message);
     }
-    map
+    picture
 }
 
 /// The picture of the file, with the file's name; `None` after reporting what went wrong.
@@ -118,9 +132,8 @@ fn compensated(cells: &[(f32, f32)]) -> Vec<f32> {
     weights
 }
 
-impl EnvironmentMap {
+impl Panorama {
     fn new(
-        to_world: Transform,
         [width, height]: [usize; 2],
         texels: Vec<[f32; 3]>,
         compensation: Compensation,
@@ -152,18 +165,22 @@ impl EnvironmentMap {
             Compensation::AboveMean => compensated(&cells),
         };
         let distribution = Distribution2D::new(&weights, (width as u32, rows as u32)).ok()?;
-        Some(Self { to_world, width, height, texels, distribution })
+        Some(Self { width, height, texels, distribution })
     }
+}
 
+impl EnvironmentMap {
     /// Radiance from the unit world direction `direction`.
     pub(super) fn radiance(&self, direction: Vec3) -> Spectrum {
+        let picture = &*self.picture;
         let cell = self.cell_coordinates(direction);
-        let x = cell.x * self.width as f32;
-        let y = cell.y * (self.height - 1) as f32;
-        let (left, top) = ((x as usize).min(self.width - 1), (y as usize).min(self.height - 1));
-        let right = if left + 1 == self.width { 0 } else { left + 1 };
-        let bottom = (top + 1).min(self.height - 1);
-        let texel = |x: usize, y: usize| Spectrum::from_rgb(self.texels[y * self.width + x]);
+        let x = cell.x * picture.width as f32;
+        let y = cell.y * (picture.height - 1) as f32;
+        let (left, top) =
+            ((x as usize).min(picture.width - 1), (y as usize).min(picture.height - 1));
+        let right = if left + 1 == picture.width { 0 } else { left + 1 };
+        let bottom = (top + 1).min(picture.height - 1);
+        let texel = |x: usize, y: usize| Spectrum::from_rgb(picture.texels[y * picture.width + x]);
         let across = x - left as f32;
         let upper = texel(left, top).lerp(texel(right, top), across);
         let lower = texel(left, bottom).lerp(texel(right, bottom), across);
@@ -174,7 +191,7 @@ impl EnvironmentMap {
     /// y is the polar angle over π.
     fn cell_coordinates(&self, direction: Vec3) -> Vec2 {
         let local = self.to_world.inverse_vector(direction).normalize_or(Vec3::Y);
-        let u = local.x.atan2(-local.z) / TAU - 0.5 / self.width as f32;
+        let u = local.x.atan2(-local.z) / TAU - 0.5 / self.picture.width as f32;
         // Near the poles the arc cosine would lose the digits that tell directions apart.
         let v = local.x.hypot(local.z).atan2(local.y) / PI;
         // Rounding may take either to one, which is outside.
@@ -182,8 +199,9 @@ impl EnvironmentMap {
     }
 
     pub(super) fn sample_direction(&self, random: Vec2) -> Option<DirectionSample> {
-        let (cell, density) = self.distribution.sample(random);
-        let (sin_azimuth, cos_azimuth) = ((cell.x + 0.5 / self.width as f32) * TAU).sin_cos();
+        let (cell, density) = self.picture.distribution.sample(random);
+        let (sin_azimuth, cos_azimuth) =
+            ((cell.x + 0.5 / self.picture.width as f32) * TAU).sin_cos();
         let (sin_theta, cos_theta) = (cell.y * PI).sin_cos();
         let local = Vec3::new(sin_azimuth * sin_theta, cos_theta, -cos_azimuth * sin_theta);
         let direction = self.to_world.vector(local).try_normalize()?;
@@ -203,7 +221,7 @@ impl EnvironmentMap {
         if sin_theta <= 0.0 {
             return 0.0;
         }
-        self.distribution.pdf(cell) / (2.0 * PI * PI * sin_theta)
+        self.picture.distribution.pdf(cell) / (2.0 * PI * PI * sin_theta)
     }
 }
 
@@ -215,8 +233,8 @@ mod tests {
     /// Red counts columns and green counts rows.
     fn counting_map() -> EnvironmentMap {
         let texels = (0..4).flat_map(|y| (0..8).map(move |x| [x as f32, y as f32, 1.0])).collect();
-        EnvironmentMap::new(Transform::IDENTITY, [8, 4], texels, Compensation::None)
-            .expect("the map is bright")
+        let picture = Panorama::new([8, 4], texels, Compensation::None).expect("it is bright");
+        EnvironmentMap { to_world: Transform::IDENTITY, picture: Arc::new(picture) }
     }
 
     /// Read from Mitsuba 3.9.1 for the same picture.
@@ -256,15 +274,8 @@ mod tests {
     #[test]
     fn dark_and_broken_pictures_are_refused() {
         for value in [0.0, f32::NAN, -1.0, f32::INFINITY] {
-            assert!(
-                EnvironmentMap::new(
-                    Transform::IDENTITY,
-                    [2, 2],
-                    vec![[value; 3]; 4],
-                    Compensation::None
-                )
-                .is_none()
-            );
+            let texels = vec![[value; 3]; 4];
+            assert!(Panorama::new([2, 2], texels, Compensation::None).is_none());
         }
     }
 

@@ -23,7 +23,7 @@ fn read(text: &str) -> (Option<PhaseFunction>, Vec<etendue_document::Diagnostic>
         .map(etendue_document::NodeId)
         .find(|id| document.node(*id).class == Class::Phase)
         .expect("a phase function");
-    let assets = Assets::new(&document, &resources, &diagnostics, false);
+    let assets = Assets::new(&document, &resources, &diagnostics);
     let options = BuildOptions::default();
     let phase = Builder::new(&assets, &options).phase(node);
     (phase, diagnostics.sorted())

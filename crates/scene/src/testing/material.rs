@@ -90,7 +90,7 @@ fn read(xml: &str) -> (Option<TestMaterial>, Vec<Diagnostic>) {
     let document: Document =
         etendue_mitsuba::read_text(&text, &resources, &LoadOptions::default(), &diagnostics)
             .expect("a scene");
-    let assets = Assets::new(&document, &resources, &diagnostics, false);
+    let assets = Assets::new(&document, &resources, &diagnostics);
     let options = BuildOptions::default();
     let mut builder = Builder::new(&assets, &options);
     let node = document.parameters(document.root, &diagnostics).children_of(Class::Bsdf)[0].node;

@@ -73,7 +73,7 @@ impl TestNode {
 
     /// Builds something from the node. Every parameter must be read.
     pub(crate) fn build<T>(&self, build: impl FnOnce(&mut Builder<'_>, &Parameters<'_>) -> T) -> T {
-        let assets = Assets::new(&self.document, &self.resources, &self.diagnostics, false);
+        let assets = Assets::new(&self.document, &self.resources, &self.diagnostics);
         let options = BuildOptions::default();
         let mut builder = Builder::new(&assets, &options);
         let parameters = self.document.parameters(self.document.root, &self.diagnostics);

@@ -10,6 +10,7 @@ use etendue_document::{Fault, Parameters};
 use etendue_image::{Bitmap, ImageError};
 use etendue_spectrum::Spectrum;
 use glam::{Affine2, Vec2};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The manual page.
@@ -130,26 +131,15 @@ pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<Bitma
         return vec![in_memory(only)];
     }
     let options: Vec<_> = all.iter().map(BitmapOptions::read).collect();
-    let name = |parameters: &Parameters<'a>| {
-        Some((parameters.required_string("filename")?, parameters.span_of("filename")))
-    };
-    let names: Vec<_> = all.iter().filter_map(name).collect();
-    // Where there is no such file, each has it reported.
-    let file = names.into_iter().find_map(|(name, span)| assets.read_named_file(name, span));
-    let Some((path, bytes)) = file else { return vec![None; all.len()] };
-    let bitmap = etendue_image::decode(&bytes, &path.to_string_lossy());
-    drop(bytes);
-    let bitmap = match bitmap {
-        Ok(bitmap) => bitmap,
-        Err(error) => {
-            let message = format!("{}: {error}", path.display());
-            for parameters in all {
-                parameters.error(fault(&error), "filename", message.as_str());
-            }
-            return vec![None; all.len()];
+    let mut selections = Vec::new();
+    for selection in options.iter().flatten().map(BitmapOptions::selection) {
+        if !selections.contains(&selection) {
+            selections.push(selection);
         }
+    }
+    let Some((path, taken)) = read_selections(assets, all, selections) else {
+        return vec![None; all.len()];
     };
-    let taken = take(bitmap, &options);
     let texture = |(parameters, options): (&Parameters<'_>, Option<BitmapOptions>)| {
         let options = options?;
         let (_, texels) = taken.iter().find(|(selection, _)| *selection == options.selection())?;
@@ -158,9 +148,9 @@ pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<Bitma
             parameters.error(Fault::BadValue, "channel", message);
             return None;
         };
-        // A sum that holds one of them is none of a number.
+        // NaN or infinity propagates into the sum.
         if texels.are_floats() && !texels.mean().is_finite() {
-            let message = format!("{} holds values that are no finite numbers", path.display());
+            let message = format!("{} holds values that are not finite", path.display());
             parameters.warning(Fault::BadValue, "filename", message);
         }
         Some(BitmapTexture::of(texels.clone(), &options))
@@ -186,16 +176,64 @@ fn in_memory(parameters: &Parameters<'_>) -> Option<BitmapTexture> {
 type Selection = (Option<Channel>, bool);
 
 /// The texels of a picture for everything that is asked for; `None` where there is no such channel.
-fn take(
-    bitmap: Bitmap,
-    options: &[Option<BitmapOptions>],
-) -> Vec<(Selection, Option<Arc<Texels>>)> {
-    let mut selections = Vec::new();
-    for selection in options.iter().flatten().map(BitmapOptions::selection) {
-        if !selections.contains(&selection) {
-            selections.push(selection);
+type Selected = Vec<(Selection, Option<Arc<Texels>>)>;
+
+/// The picture that textures name, and where it lies; `None` after reporting what is wrong with it.
+fn read_selections(
+    assets: &Assets<'_>,
+    all: &[Parameters<'_>],
+    selections: Vec<Selection>,
+) -> Option<(PathBuf, Selected)> {
+    let names: Vec<_> = all
+        .iter()
+        .filter_map(|parameters| {
+            Some((parameters.required_string("filename")?, parameters.span_of("filename")))
+        })
+        .collect();
+    let kept = |(name, span): &(&str, _)| {
+        let path = assets.find_kept_file(name, *span)?;
+        let texels = |selection: &Selection| {
+            let texels = assets.kept_of_file(&path, &way(*selection))?;
+            Some((*selection, Some(texels)))
+        };
+        let taken = selections.iter().map(texels).collect::<Option<Selected>>()?;
+        Some((path, taken))
+    };
+    if !selections.is_empty()
+        && let Some(kept) = names.first().and_then(kept)
+    {
+        return Some(kept);
+    }
+    // Where there is no such file, each has it reported.
+    let file = names.into_iter().find_map(|(name, span)| assets.read_named_file(name, span));
+    let (path, bytes) = file?;
+    let bitmap = etendue_image::decode(&bytes, &path.to_string_lossy());
+    drop(bytes);
+    let bitmap = match bitmap {
+        Ok(bitmap) => bitmap,
+        Err(error) => {
+            let message = format!("{}: {error}", path.display());
+            for parameters in all {
+                parameters.error(fault(&error), "filename", message.as_str());
+            }
+            return None;
+        }
+    };
+    let taken = take(bitmap, selections);
+    for (selection, texels) in &taken {
+        if let Some(texels) = texels {
+            assets.keep_of_file(&path, &way(*selection), texels);
         }
     }
+    Some((path, taken))
+}
+
+/// A selection as a cache tells it from others.
+fn way(selection: Selection) -> String {
+    format!("{selection:?}")
+}
+
+fn take(bitmap: Bitmap, selections: Vec<Selection>) -> Selected {
     // Mostly there is one, which needs no copy.
     let mut copies = vec![bitmap];
     while copies.len() < selections.len() {
