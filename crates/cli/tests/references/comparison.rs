@@ -78,6 +78,56 @@ impl Measured {
         Ok(Self { mean, variance })
     }
 
+    /// The mean of several renders of as many samples, and its variance by their spread.
+    ///
+    /// # Errors
+    /// If the sizes differ, or there are fewer than two.
+    pub(crate) fn of_renders(renders: &[ColorImage]) -> Result<Self, String> {
+        let count = renders.len() as f32;
+        let [first, _, ..] = renders else { return Err("there are too few renders".to_owned()) };
+        let mut mean = map(first, |_| 0.0);
+        let mut variance = mean.clone();
+        for render in renders {
+            if render.pixels.len() != mean.pixels.len() {
+                return Err("the sizes differ".to_owned());
+            }
+            for (sum, value) in values_of_both(&mut mean, render) {
+                *sum += value / count;
+            }
+        }
+        for render in renders {
+            let deviation = ColorImage {
+                pixels: render.pixels.iter().zip(&mean.pixels).map(difference).collect(),
+                ..*render
+            };
+            for (sum, value) in values_of_both(&mut variance, &deviation) {
+                *sum += value * value / (count * (count - 1.0));
+            }
+        }
+        Ok(Self { mean, variance })
+    }
+
+    /// The same with variances that are at least the mean of the 5×5 pixels around: a pixel that has
+    /// not found a rare light yet does not know how much it varies, but its neighbours do.
+    pub(crate) fn with_smooth_variance(mut self) -> Self {
+        let (width, height) = (self.variance.width as usize, self.variance.height as usize);
+        let around = |place: usize, end: usize| place.saturating_sub(2)..(place + 3).min(end);
+        let smooth = |index: usize| {
+            let (columns, rows) = (around(index % width, width), around(index / width, height));
+            let count = (columns.len() * rows.len()) as f32;
+            let mut sums = [0.0; 3];
+            for pixel in rows.flat_map(|y| columns.clone().map(move |x| y * width + x)) {
+                for (sum, value) in sums.iter_mut().zip(self.variance.pixels[pixel]) {
+                    *sum += value / count;
+                }
+            }
+            let own = self.variance.pixels[index];
+            std::array::from_fn(|channel| own[channel].max(sums[channel]))
+        };
+        self.variance.pixels = (0..width * height).map(smooth).collect();
+        self
+    }
+
     /// Compares with a reference; pixels that never varied are taken to vary by `least_variance`.
     pub(crate) fn compare(
         &self,
@@ -109,6 +159,18 @@ impl Measured {
     fn estimate(&self) -> Estimate<'_> {
         Estimate { mean: &self.mean, variance: &self.variance }
     }
+}
+
+/// The values of two images of the same size, side by side.
+fn values_of_both<'a>(
+    a: &'a mut ColorImage,
+    b: &'a ColorImage,
+) -> impl Iterator<Item = (&'a mut f32, &'a f32)> {
+    a.pixels.as_flattened_mut().iter_mut().zip(b.pixels.as_flattened())
+}
+
+fn difference((a, b): (&[f32; 3], &[f32; 3])) -> [f32; 3] {
+    std::array::from_fn(|channel| a[channel] - b[channel])
 }
 
 /// Three channels `NAME.R`, `NAME.G` and `NAME.B` as one image.

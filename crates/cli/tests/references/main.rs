@@ -1,7 +1,7 @@
 //! Whole pictures beside references, one test for each scene and each way to render it.
 //!
 //! ```text
-//! cargo test -p etendue-cli --test references -- [NAME...] [--include-ignored]
+//! cargo test -p etendue-cli --test references -- [NAME] [--include-ignored]
 //! ```
 //!
 //! - `scenes`: our own small scenes, from the folder `scenes` beside this file.

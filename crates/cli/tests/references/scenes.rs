@@ -14,6 +14,8 @@ use crate::z_test;
 
 /// Samples for a whole picture, by default and in depth.
 const SAMPLE_BUDGETS: [(&str, usize); 2] = [("scenes", 300_000), ("scenes_in_depth", 3_000_000)];
+/// Renders whose spread tells the variance of particles.
+const PARTICLE_RENDERS: usize = 8;
 /// Variances of a single sample are at least this, so that rounding does not count where no sample
 /// differed: the stored references are half floats.
 const LEAST_VARIANCE: f64 = 1e-4;
@@ -60,16 +62,33 @@ fn folder() -> PathBuf {
 /// One row of the table, to be rendered.
 impl Row {
     fn check(&self, name: &str, variant: &[String], budget: usize) -> Result<(), String> {
-        let file = output(name, ".exr")?;
-        let scene = folder().join(format!("{}.xml", self.scene));
         let size = self.size()?;
         let samples = budget.div_ceil(size[0] as usize * size[1] as usize);
-        let options = ["--spp".to_owned(), samples.to_string()];
-        render(&scene, &[&options, variant].concat(), &file)?;
-        let picture = Measured::read(&file)?;
+        let picture = self.render(name, variant, samples)?.with_smooth_variance();
         let reference = self.reference(size)?;
         let least_variance = LEAST_VARIANCE / samples as f64;
         comparison::check(name, [&picture, &reference], least_variance, &LIMITS).map(|_| ())
+    }
+
+    /// Renders the scene. The variances of `ptracer` leave particles out, because a pixel does not know
+    /// which of them belong together: there, the spread of several renders takes their place.
+    fn render(&self, name: &str, variant: &[String], samples: usize) -> Result<Measured, String> {
+        let file = output(name, ".exr")?;
+        let scene = folder().join(format!("{}.xml", self.scene));
+        let render = |samples: usize, more: &[String]| {
+            let count = ["--spp".to_owned(), samples.to_string()];
+            render(&scene, &[&count, variant, more].concat(), &file)?;
+            Measured::read(&file)
+        };
+        if !variant.iter().any(|word| word == "ptracer") {
+            return render(samples, &[]);
+        }
+        let seeds = 2..2 + PARTICLE_RENDERS;
+        let renders = seeds.map(|seed| {
+            let options = ["--seed".to_owned(), seed.to_string()];
+            render(samples.div_ceil(PARTICLE_RENDERS), &options).map(|render| render.mean)
+        });
+        Measured::of_renders(&renders.collect::<Result<Vec<_>, _>>()?)
     }
 
     /// Width and height: those of the stored reference, or 32×32.
