@@ -6,10 +6,10 @@ use std::path::PathBuf;
 
 use etendue::document::MemoryResources;
 use etendue::math::Ray;
+use etendue::math::glam::{UVec2, Vec3};
 use etendue::sampling::{SamplerKind, SamplerSpec};
 use etendue::scene::bsdf::Transport;
 use etendue::{SceneOptions, load_text};
-use glam::{UVec2, Vec3};
 
 /// A square in the plane z = 0 that faces +z.
 const SCENE: &str = r#"

@@ -6,7 +6,7 @@ use std::f32::consts::{PI, TAU};
 
 use etendue::bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, TriangleMeshView};
 use etendue::math::Ray;
-use glam::Vec3;
+use etendue::math::glam::Vec3;
 
 /// Rings of vertices from pole to pole, two triangles for each square between them.
 fn sphere(rings: u32, columns: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {

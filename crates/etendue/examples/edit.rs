@@ -13,6 +13,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use etendue::document::{Class, Document, FlatNode, NodeId, Value};
+use etendue::math::glam::{DAffine3, DVec3};
 use etendue::{Files, LoadedScene, SceneOptions, Workers, load};
 
 /// The best of this many runs counts: others may use the machine, too.
@@ -85,7 +86,7 @@ fn changed(document: &Document, class: Class) -> Option<Document> {
             Value::Float(float) => Value::Float(*float * 0.9),
             Value::Rgb(rgb) => Value::Rgb(*rgb * 0.9),
             Value::Transform(affine) => {
-                Value::Transform(glam::DAffine3::from_translation(glam::DVec3::X * 0.01) * *affine)
+                Value::Transform(DAffine3::from_translation(DVec3::X * 0.01) * *affine)
             }
             _ => return None,
         };

@@ -16,6 +16,9 @@ mod transform;
 
 pub use bounds::Bounds3;
 pub use float::{next_down, next_up, rounding_error_bound, safe_acos, safe_sqrt};
+/// The vectors and matrices in this crate's signatures, re-exported so that users name the same version.
+pub use glam;
+
 pub use frame::{Frame, coordinate_system};
 pub use ray::{Ray, RayLanes, offset_origin_lanes, offset_ray_origin};
 pub use transform::Transform;

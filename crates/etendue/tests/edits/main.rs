@@ -145,7 +145,7 @@ fn only_what_changed_is_read_and_built() {
         ("path", "max_depth", Value::Integer(3)),
         ("area", "radiance", Value::Float(2.0)),
         ("roughplastic", "alpha", Value::Float(0.2)),
-        ("envmap", "to_world", Value::transform(glam::DMat4::from_rotation_y(1.0))),
+        ("envmap", "to_world", Value::transform(etendue::math::glam::DMat4::from_rotation_y(1.0))),
         ("bitmap", "wrap_mode", Value::String("mirror".into())),
     ];
     for (plugin, parameter, value) in changes {
@@ -157,7 +157,7 @@ fn only_what_changed_is_read_and_built() {
             document,
             "ply",
             "to_world",
-            Value::transform(glam::DMat4::from_scale([2.0; 3].into())),
+            Value::transform(etendue::math::glam::DMat4::from_scale([2.0; 3].into())),
         );
     });
     assert_eq!(found, (vec!["/scene/colored.ply".to_owned()], false), "its own file alone");

@@ -1,7 +1,7 @@
 //! Small changes of documents.
 
 use etendue::document::{Class, Document, FlatNode, NodeId, Value};
-use glam::{DAffine3, DVec3};
+use etendue::math::glam::{DAffine3, DVec3};
 
 /// Every small change of a document, with what it does.
 pub(crate) fn all(document: &Document) -> Vec<(String, Document)> {
