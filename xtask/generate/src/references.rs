@@ -23,6 +23,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     let binary = arguments.binary.clone().map_or_else(build, Ok)?;
     let temporary = root().join("target/reference.exr");
+    let references = folder().join("references");
+    std::fs::create_dir_all(&references).map_err(|error| error.to_string())?;
     let rows = cases::read(&folder())?;
     let is_named = |scene: &String| arguments.names.is_empty() || arguments.names.contains(scene);
     if let Some(name) = arguments.names.iter().find(|name| rows.iter().all(|r| r.scene != **name)) {
@@ -36,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
         succeed(command.arg(&temporary)).map_err(|message| format!("{}: {message}", row.scene))?;
         let read = std::fs::read(&temporary).map_err(|error| error.to_string())?;
         let bytes = compact(&decode_exr_layers(&read).map_err(|error| error.to_string())?)?;
-        let path = folder().join("references").join(format!("{}.exr", row.scene));
+        let path = references.join(format!("{}.exr", row.scene));
         std::fs::write(&path, &bytes).map_err(|error| format!("{}: {error}", path.display()))?;
         println!("{:>8} bytes  {}", bytes.len(), row.scene);
     }
