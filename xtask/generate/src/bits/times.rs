@@ -53,9 +53,9 @@ pub(super) fn report(pairs: &[Pair]) -> String {
         "{:<10}{:>10}{:>10}{:>9}{:>15}\n",
         "time", "before s", "after s", "ratio", "median ratio"
     );
-    let kinds: [(&str, fn(&Times) -> f64); 2] =
-        [("processor", |times| times.processor), ("wall", |times| times.wall)];
-    for (name, kind) in kinds {
+    type Kind = fn(&Times) -> f64;
+    let (processor, wall): (Kind, Kind) = (|times| times.processor, |times| times.wall);
+    for (name, kind) in [("processor", processor), ("wall", wall)] {
         let sum =
             |side: fn(&Pair) -> &Times| pairs.iter().map(|pair| kind(side(pair))).sum::<f64>();
         let (before, after) = (sum(|pair| &pair.before), sum(|pair| &pair.after));
