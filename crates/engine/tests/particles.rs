@@ -240,7 +240,8 @@ impl ParticleIntegrator for Recorder {
 
 #[test]
 fn a_particle_has_the_random_numbers_of_its_camera_sample() {
-    let (scene, _) = build(&sensor("thinlens", ""), "path");
+    let aperture = r#"<float name="aperture_radius" value="0.2"/>"#;
+    let (scene, _) = build(&sensor("thinlens", aperture), "path");
     let recorder = Arc::new(Recorder::default());
     let integrator: Arc<dyn Integrator> = recorder.clone();
     quarters(&scene, &integrator, 1);
