@@ -70,14 +70,14 @@ pub(crate) struct CheckpointWriter<'a> {
     pub(crate) started: Instant,
 }
 
-/// Tells a keeper that there is nothing more to wait for.
+/// Tells a checkpoint writer that the render is over.
 #[derive(Default)]
 pub(crate) struct End {
     has_come: Mutex<bool>,
     changed: Condvar,
 }
 
-/// Brings the end when it is dropped: after a panic, too, or its keeper would wait for ever.
+/// Signals the end when it is dropped, also after a panic: the writer must not wait for ever.
 pub(crate) struct EndGuard<'a>(&'a End);
 
 impl Drop for EndGuard<'_> {

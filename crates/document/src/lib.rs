@@ -33,6 +33,7 @@ mod packed;
 mod parameters;
 mod resolver;
 mod resources;
+mod soundness;
 mod source;
 mod span;
 mod transform;

@@ -70,6 +70,9 @@ impl Input {
         options: &Arc<SceneOptions>,
     ) -> (Option<LoadedScene>, Sources) {
         let Self { document, identity, cache } = self;
+        if identity == Identity::Nodes && !document.check(diagnostics) {
+            return (None, document.sources.clone());
+        }
         let input = SceneInput { document: &document, resources, identity, cache: cache.as_ref() };
         // Both, whatever becomes of the first: one run finds the mistakes of both.
         let gathered = gather_scene(&input, diagnostics, &options.build);

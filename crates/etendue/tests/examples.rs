@@ -14,12 +14,15 @@ const SCENE: &str = r#"<scene version="3.0.0">
     <shape type="sphere"><bsdf type="roughconductor"><float name="alpha" value="0.2"/></bsdf></shape>
 </scene>"#;
 
-/// Cargo builds the examples of a package before its tests, into the folder beside theirs.
+/// `cargo test` builds the examples of a package with its tests, into the folder beside theirs. It does
+/// not where `--test` chooses this test alone: then `cargo build --examples` must come first.
 fn example(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test is a file");
     let profile = test.parent().and_then(Path::parent).expect("target/PROFILE/deps/TEST");
     let program = format!("{name}{}", std::env::consts::EXE_SUFFIX);
-    profile.join("examples").join(program)
+    let path = profile.join("examples").join(program);
+    assert!(path.exists(), "{} has not been built: see `cargo build --examples`", path.display());
+    path
 }
 
 /// What an example prints when it runs in a folder that holds `scene.xml`.

@@ -187,7 +187,7 @@ impl Host<'_> {
             (false, false) => Wanted::Default,
         };
         let display = ProgressDisplay::new(wanted);
-        let keeper = CheckpointWriter {
+        let writer = CheckpointWriter {
             job: run.job,
             film: run.film,
             checkpoint: run.checkpoint.as_ref(),
@@ -207,14 +207,14 @@ impl Host<'_> {
         self.signals.finish_gracefully();
         let end = End::default();
         let statistics = thread::scope(|scope| {
-            scope.spawn(|| keeper.run(&end));
+            scope.spawn(|| writer.run(&end));
             let _end = end.guard();
             run.job.render_into(run.film, self.workers, &display, self.signals.cancel())
         });
         display.finish();
         let statistics = statistics.map_err(|error| failure(path, error))?;
         let write_started = Instant::now();
-        let (status, rendering) = self.write(run, &keeper, statistics);
+        let (status, rendering) = self.write(run, &writer, statistics);
         replay::report(&rendering.statistics.defects);
         if !arguments.scene.quiet {
             report::written(&rendering, run.outputs);
@@ -236,20 +236,20 @@ impl Host<'_> {
     fn write(
         &self,
         run: &Run<'_>,
-        keeper: &CheckpointWriter<'_>,
+        writer: &CheckpointWriter<'_>,
         statistics: Statistics,
     ) -> (Status, Rendering) {
-        let seconds = keeper.seconds();
+        let seconds = writer.seconds();
         let stopped = statistics.cancelled;
         // A stopped render may have little time left, and its samples are worth most.
-        let mut is_kept = stopped && keeper.write_checkpoint();
+        let mut is_kept = stopped && writer.write_checkpoint();
         let rendering = run.job.develop(run.film, statistics, seconds);
         let mut status = self.workers.run(|| run.outputs.write_pictures(&rendering));
         if !stopped {
             status = status.max(run.outputs.write_parts(run.film, &run.job.record(seconds)));
             let is_safe = status == Status::Fine;
             if !is_safe || self.arguments.keeping.keep_checkpoint {
-                is_kept = keeper.write_checkpoint();
+                is_kept = writer.write_checkpoint();
             } else if let Some(checkpoint) = &run.checkpoint
                 && let Err(error) = checkpoint.remove()
             {

@@ -35,10 +35,10 @@ pub(crate) struct SceneArguments {
     /// Find light by chance alone, for comparison
     #[arg(long)]
     no_emitter_sampling: bool,
-    /// Take an unknown parameter for an error
+    /// Treat unknown parameters as errors
     #[arg(long)]
     strict: bool,
-    /// Take a missing file for a warning, and go on without it
+    /// Treat missing files as warnings and go on without them
     #[arg(long)]
     skip_missing: bool,
     /// Threads; one per processor by default. The picture does not depend on it

@@ -4,6 +4,7 @@
 mod mutations;
 mod scenes;
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -59,21 +60,27 @@ fn assert_same(edited: &Loaded, fresh: &Loaded, workers: &Workers, what: &str) {
 
 /// Every value of a scene is changed and removed, every child removed, doubled and moved.
 fn check_every_mutation(text: &str) {
-    let files = files();
-    let workers = Workers::new(None).unwrap();
-    let scene = load(text, &files);
-    let document = document_of(&scene);
-    let mut built = 0;
-    let mutations = mutations::all(&document);
-    assert!(mutations.len() > 50);
-    for (what, changed) in mutations {
-        let changed = Arc::new(changed);
-        let edited = scene.edited(changed.clone(), &files);
-        let fresh = load_document(changed, &files, &options());
-        assert_same(&edited, &fresh, &workers, &what);
-        built += usize::from(edited.scene.is_some());
-    }
-    assert!(built > 30, "most changes leave a scene: {built}");
+    on_one_thread(|workers| {
+        let files = files();
+        let scene = load(text, &files);
+        let mutations = mutations::all(&document_of(&scene));
+        assert!(mutations.len() > 50);
+        let mut built = 0;
+        for (what, changed) in mutations {
+            let changed = Arc::new(changed);
+            let edited = scene.edited(changed.clone(), &files);
+            let fresh = load_document(changed, &files, &options());
+            assert_same(&edited, &fresh, workers, &what);
+            built += usize::from(edited.scene.is_some());
+        }
+        assert!(built > 30, "most changes leave a scene: {built}");
+    });
+}
+
+/// Hundreds of tiny scenes are loaded and rendered faster where no thread waits for another.
+fn on_one_thread(test: impl FnOnce(&Workers) + Send) {
+    let workers = Workers::new(NonZeroUsize::new(1)).unwrap();
+    workers.run(|| test(&workers));
 }
 
 #[test]
@@ -94,22 +101,39 @@ fn other_shapes_and_sensors_after_any_change_are_those_of_a_fresh_load() {
 /// What an edit keeps of an edit of an edit is still right, also on the way back.
 #[test]
 fn edits_of_edits_are_those_of_a_fresh_load() {
-    let files = files();
-    let workers = Workers::new(None).unwrap();
-    for text in [scenes::SURFACES, scenes::VOLUMES, scenes::SHAPES] {
-        let mut scene = load(text, &files);
-        let mut seed = 7;
-        for step in 0..40 {
-            let mutations = mutations::all(&document_of(&scene));
-            seed = (seed * 31 + 11) % 1009;
-            let (what, changed) = mutations.into_iter().cycle().nth(seed).expect("there are some");
-            let changed = Arc::new(changed);
-            let edited = scene.edited(changed.clone(), &files);
-            let fresh = load_document(changed, &files, &options());
-            assert_same(&edited, &fresh, &workers, &format!("step {step}: {what}"));
-            scene = edited.scene.unwrap_or(scene);
+    on_one_thread(|workers| {
+        for text in [scenes::SURFACES, scenes::VOLUMES, scenes::SHAPES] {
+            check_chain(text, workers);
         }
+    });
+}
+
+fn check_chain(text: &str, workers: &Workers) {
+    let files = files();
+    let mut scene = load(text, &files);
+    let mut seed = 7;
+    for step in 0..25 {
+        let mut mutations = mutations::all(&document_of(&scene));
+        seed = (seed * 31 + 11) % 1009;
+        let (what, changed) = mutations.swap_remove(seed % mutations.len());
+        let changed = Arc::new(changed);
+        let edited = scene.edited(changed.clone(), &files);
+        let fresh = load_document(changed, &files, &options());
+        assert_same(&edited, &fresh, workers, &format!("step {step}: {what}"));
+        scene = edited.scene.unwrap_or(scene);
     }
+}
+
+#[test]
+fn a_document_that_holds_itself_is_an_error() {
+    let files = files();
+    let scene = load(scenes::SURFACES, &files);
+    let mut document = document_of(&scene);
+    let (root, shape) = (document.root, first(&document, "ply"));
+    document.nodes[shape.index()].children[0].node = root;
+    let edited = scene.edited(document, &files);
+    assert!(edited.scene.is_none());
+    assert_eq!(edited.diagnostics.list[0].message, "this node holds itself");
 }
 
 fn first(document: &Document, plugin: &str) -> NodeId {

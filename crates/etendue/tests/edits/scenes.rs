@@ -88,8 +88,8 @@ pub(crate) const SHAPES: &str = r#"<scene version="3.0.0">
     </sensor>
     <bsdf type="principled" id="paint"><float name="roughness" value="0.4"/></bsdf>
     <shape type="revsurface"><curve type="bezier">
-        <point x="0.5" y="-1" z="0"/><point x="0.8" y="-0.5" z="0"/><point x="0.3" y="0.5" z="0"/>
-        <point x="0.4" y="1" z="0"/></curve><ref id="paint"/></shape>
+        <vec value="0.5, -1, 0"/><vec value="0.8, -0.5, 0"/><vec value="0.3, 0.5, 0"/>
+        <vec value="0.4, 1, 0"/></curve><ref id="paint"/></shape>
     <shape type="linearcurve"><string name="filename" value="hair.txt"/><bsdf type="hair"/></shape>
     <shape type="bsplinecurve"><string name="filename" value="hair.txt"/><ref id="paint"/></shape>
     <shape type="sdfgrid"><string name="filename" value="distance.vol"/>
@@ -117,7 +117,7 @@ pub(crate) const PLAIN_PLY: &str =
 property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header
 -1 -1 -0.5\n1 -1 -0.5\n0 1 -0.5\n3 0 1 2\n";
 
-/// `unheard` is an unknown statement, of which a warning tells.
+/// `curv` is a statement that is not understood, of which a warning tells.
 const OBJ: &str =
     "v -1 -1 1\nv -0.5 -1 1\nv -1 -0.5 1\nv -0.4 -0.4 1.2\ncurv 1 2\nf 1 2 3\nf 2 4 3\n";
 
