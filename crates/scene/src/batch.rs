@@ -2,9 +2,9 @@
 
 mod closures;
 mod light_batch;
-mod lights;
 mod materials;
 
 pub use closures::ClosureLanes;
-pub(crate) use lights::LaneEmitters;
-pub use materials::{LaneKind, LaneMaterial};
+pub(crate) use light_batch::{LightBatch, Places};
+pub(crate) use materials::BatchMaterial;
+pub use materials::{LaneKind, Materials};

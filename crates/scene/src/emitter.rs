@@ -14,43 +14,164 @@ pub mod directionalarea;
 pub mod envmap;
 pub mod point;
 pub mod projector;
-pub mod ray_sample;
 pub mod spot;
 pub mod sunsky;
 
 pub use crate::lanes::{LightLanes, TargetLanes};
 
+use crate::builder::Builder;
+use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::shadow_segment;
+use crate::lanes::{SHADOW_RAY_LENGTH, shadow_segment};
 use crate::manual::{ParameterManual, parameter};
-use crate::scene::Scene;
+use crate::plugin::{Plugin, plugin};
+use crate::shape::Shape;
+use crate::texture::Textures;
+use area::ParallelogramLight;
 use etendue_document::Parameters;
-use etendue_math::{Ray, offset_ray_origin};
+use etendue_math::{Bounds3, Frame, Ray, offset_ray_origin};
+use etendue_sampling::warp;
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 
-/// An emitter of the scene.
-#[derive(Clone, Debug)]
-pub enum Emitter {
-    /// A shape that glows.
-    Area(area::Area),
-    /// A point that shines in all directions.
-    Point(point::Point),
-    /// A point that shines into a cone.
-    Spot(spot::Spot),
-    /// Parallel light from afar.
-    Directional(directional::Directional),
-    /// A shape that shines straight ahead only.
-    DirectionalArea(directionalarea::DirectionalArea),
-    /// A point that throws a picture.
-    Projector(projector::Projector),
-    /// The same light from everywhere afar.
-    Constant(constant::Constant),
-    /// A picture of the surroundings.
-    Environment(envmap::EnvironmentMap),
-    /// The sky and the sun.
-    SunSky(Box<sunsky::SunSky>),
+/// The list of emitters: one line is one plugin, its XML `type`, which is its module as well, and what
+/// the scene holds of it, which is a [`Light`]. Those of `shapes` are nested in a shape.
+macro_rules! emitter_list {
+    ($macro:ident) => {
+        $macro! {
+            free {
+                constant => Constant(constant::Constant);
+                directional => Directional(directional::Directional);
+                envmap => Environment(envmap::EnvironmentMap);
+                point => Point(point::Point);
+                projector => Projector(projector::Projector);
+                spot => Spot(spot::Spot);
+                sunsky => SunSky(Box<sunsky::SunSky>);
+            }
+            shapes {
+                area => Area(area::Area);
+                directionalarea => DirectionalArea(directionalarea::DirectionalArea);
+            }
+        }
+    };
 }
+
+/// What emitters ask of the scene that they shine in.
+pub trait SceneView {
+    /// A shape.
+    fn shape(&self, id: ShapeId) -> &Shape;
+
+    /// All textures.
+    fn textures(&self) -> Textures<'_>;
+
+    /// The box around everything.
+    fn bounds(&self) -> Bounds3;
+}
+
+/// What an emitter plugin computes; see the module's contract.
+pub(crate) trait Light {
+    /// Whether rays that leave the scene find this emitter; not where it is within the scene.
+    fn is_environment(&self) -> bool {
+        false
+    }
+
+    /// See [`Emitter::sample_direction`].
+    fn sample_direction(
+        &self,
+        scene: &impl SceneView,
+        reference: Vec3,
+        random: Vec2,
+    ) -> Option<DirectionSample>;
+
+    /// See [`Emitter::pdf_direction`]; zero for emitters that no ray finds by chance.
+    fn pdf_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        _direction: Vec3,
+        _surface: Option<&SurfaceInteraction>,
+    ) -> f32 {
+        0.0
+    }
+
+    /// See [`Emitter::surface_radiance`]; none for emitters without a shape.
+    fn surface_radiance(&self, _scene: &impl SceneView, _surface: &SurfaceInteraction) -> Spectrum {
+        Spectrum::ZERO
+    }
+
+    /// See [`Emitter::distant_radiance`]; none for emitters within the scene.
+    fn distant_radiance(&self, _direction: Vec3) -> Spectrum {
+        Spectrum::ZERO
+    }
+
+    /// See [`Emitter::sample_ray`].
+    fn sample_ray(&self, scene: &impl SceneView, place: Vec2, direction: Vec2)
+    -> Option<RaySample>;
+
+    /// How several paths sample this emitter at once; one after the other unless it says otherwise.
+    fn in_lanes(&self, _shapes: &[Shape]) -> LaneEmitter {
+        LaneEmitter::Single
+    }
+}
+
+/// Makes the enum of emitters, its dispatch and the registry from the list.
+macro_rules! emitters {
+    (
+        free { $($module:ident => $name:ident($type:ty);)* }
+        shapes { $($nested_module:ident => $nested:ident($nested_type:ty);)* }
+    ) => {
+        /// An emitter of the scene.
+        #[derive(Clone, Debug)]
+        pub enum Emitter {
+            $(#[doc = concat!("See [`", stringify!($module), "`].")] $name($type),)*
+            $(#[doc = concat!("See [`", stringify!($nested_module), "`].")]
+            $nested($nested_type),)*
+        }
+
+        /// Every emitter that stands alone.
+        pub static EMITTERS: &[Plugin<BuildEmitter>] = &[
+            $(plugin(stringify!($module), &$module::MANUAL, |builder, parameters| {
+                $module::build(builder, parameters).map(|light| Emitter::$name(light.into()))
+            }),)*
+        ];
+
+        /// Every emitter that is nested in a shape.
+        pub static SHAPE_EMITTERS: &[Plugin<BuildShapeEmitter>] = &[
+            $(plugin(stringify!($nested_module), &$nested_module::MANUAL, |builder, parameters, shape| {
+                Emitter::$nested($nested_module::build(builder, parameters, shape))
+            }),)*
+        ];
+
+        /// Runs `$work` with the [`Light`] of an emitter.
+        macro_rules! with_light {
+            ($emitter:expr, $light:ident => $work:expr) => {
+                match $emitter {
+                    $(Emitter::$name($light) => $work,)*
+                    $(Emitter::$nested($light) => $work,)*
+                }
+            };
+        }
+
+        impl Emitter {
+            /// The XML `type` of the emitter.
+            #[must_use]
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$name(_) => stringify!($module),)*
+                    $(Self::$nested(_) => stringify!($nested_module),)*
+                }
+            }
+        }
+    };
+}
+
+emitter_list!(emitters);
+
+/// Builds an emitter that stands alone.
+pub type BuildEmitter = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Emitter>;
+/// Builds the emitter of a shape.
+pub type BuildShapeEmitter = fn(&mut Builder<'_>, &Parameters<'_>, ShapeId) -> Emitter;
 
 pub(crate) const SAMPLING_WEIGHT: ParameterManual = parameter(
     "sampling_weight",
@@ -96,9 +217,27 @@ pub struct DirectionSample {
     pub target: Target,
 }
 
-/// Shadow rays to a surface stop short of it by this share of their length: the distance at which
-/// the surface itself would be hit is known to a few roundings only.
-pub(crate) const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
+/// A ray that carries light away from an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct RaySample {
+    /// Where the light goes; its direction is unit.
+    pub ray: Ray,
+    /// The power that it carries: radiance times cosine over the density of the ray.
+    pub power: Spectrum,
+}
+
+/// What several paths at once can sample of an emitter.
+#[derive(Debug)]
+pub(crate) enum LaneEmitter {
+    /// A flat light of even radiance.
+    Parallelogram(ParallelogramLight<f32>),
+    /// The same radiance from everywhere afar.
+    ConstantEnvironment(Spectrum),
+    /// A mesh of even radiance, whose triangles are chosen by their area.
+    Mesh(ShapeId, Spectrum),
+    /// Nothing: it is sampled for one path after another.
+    Single,
+}
 
 impl DirectionSample {
     /// What is left of the way to the light from a point on it; the ray's direction is unit.
@@ -142,21 +281,11 @@ impl Emitter {
     #[must_use]
     pub fn sample_direction(
         &self,
-        scene: &Scene,
+        scene: &impl SceneView,
         reference: Vec3,
         random: Vec2,
     ) -> Option<DirectionSample> {
-        match self {
-            Self::Area(emitter) => emitter.sample_direction(scene, reference, random),
-            Self::Point(emitter) => emitter.sample_direction(reference),
-            Self::Spot(emitter) => emitter.sample_direction(scene, reference),
-            Self::Directional(emitter) => Some(emitter.sample_direction()),
-            Self::DirectionalArea(_) => None,
-            Self::Projector(emitter) => emitter.sample_direction(scene, reference),
-            Self::Constant(emitter) => Some(emitter.sample_direction(random)),
-            Self::Environment(emitter) => emitter.sample_direction(random),
-            Self::SunSky(emitter) => emitter.sample_direction(random),
-        }
+        with_light!(self, light => light.sample_direction(scene, reference, random))
     }
 
     /// The density in solid angle with which [`Self::sample_direction`] would choose `direction`.
@@ -165,63 +294,91 @@ impl Emitter {
     #[must_use]
     pub fn pdf_direction(
         &self,
-        scene: &Scene,
+        scene: &impl SceneView,
         reference: Vec3,
         direction: Vec3,
         surface: Option<&SurfaceInteraction>,
     ) -> f32 {
-        match (self, surface) {
-            (Self::Area(emitter), Some(surface)) => {
-                emitter.pdf_direction(scene, reference, surface)
-            }
-            (Self::Constant(emitter), _) => emitter.pdf_direction(),
-            (Self::Environment(emitter), _) => emitter.pdf_direction(direction),
-            (Self::SunSky(emitter), _) => emitter.pdf_direction(direction),
-            _ => 0.0,
-        }
+        with_light!(self, light => light.pdf_direction(scene, reference, direction, surface))
     }
 
     /// The radiance that leaves a point of the emitter's shape towards `surface.wi`.
     #[inline]
     #[must_use]
-    pub fn surface_radiance(&self, scene: &Scene, surface: &SurfaceInteraction) -> Spectrum {
-        match self {
-            Self::Area(emitter) => emitter.radiance(scene, surface),
-            _ => Spectrum::ZERO,
-        }
+    pub fn surface_radiance(
+        &self,
+        scene: &impl SceneView,
+        surface: &SurfaceInteraction,
+    ) -> Spectrum {
+        with_light!(self, light => light.surface_radiance(scene, surface))
     }
 
     /// The radiance that arrives from afar in the world direction `direction` (pointing outwards).
     #[inline]
     #[must_use]
     pub fn distant_radiance(&self, direction: Vec3) -> Spectrum {
-        match self {
-            Self::Constant(emitter) => emitter.radiance(),
-            Self::Environment(emitter) => emitter.radiance(direction),
-            Self::SunSky(emitter) => emitter.radiance(direction),
-            _ => Spectrum::ZERO,
-        }
+        with_light!(self, light => light.distant_radiance(direction))
+    }
+
+    /// Chooses a ray that leaves the emitter, from two numbers for its place and two for its
+    /// direction; `None` where no light goes.
+    ///
+    /// The mean of the powers is all that the emitter sends out; from afar, all that enters the
+    /// sphere around the scene.
+    #[must_use]
+    pub fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        with_light!(self, light => light.sample_ray(scene, place, direction))
     }
 
     /// Whether rays that leave the scene find this emitter.
     #[must_use]
     pub fn is_environment(&self) -> bool {
-        matches!(self, Self::Constant(_) | Self::Environment(_) | Self::SunSky(_))
+        with_light!(self, light => light.is_environment())
     }
 
-    /// The name of the emitter's kind.
-    #[must_use]
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Area(_) => "area",
-            Self::Point(_) => "point",
-            Self::Spot(_) => "spot",
-            Self::Directional(_) => "directional",
-            Self::DirectionalArea(_) => "directionalarea",
-            Self::Projector(_) => "projector",
-            Self::Constant(_) => "constant",
-            Self::Environment(_) => "envmap",
-            Self::SunSky(_) => "sunsky",
-        }
+    /// How several paths sample this emitter at once.
+    pub(crate) fn in_lanes(&self, shapes: &[Shape]) -> LaneEmitter {
+        with_light!(self, light => light.in_lanes(shapes))
     }
+}
+
+/// Rays from afar start this far beyond the sphere around the scene, in radii.
+const MARGIN: f32 = 1.0 + 1e-3;
+
+/// A ray from the direction `towards_light`, through the disk that the sphere around the scene shows
+/// it; `irradiance` is what a surface that faces it gets, over the density of the direction.
+pub(crate) fn ray_from_afar(
+    scene: &impl SceneView,
+    towards_light: Vec3,
+    irradiance: Spectrum,
+    place: Vec2,
+) -> Option<RaySample> {
+    let bounds = scene.bounds();
+    if bounds.is_empty() {
+        return None;
+    }
+    let (centre, radius) = bounds.bounding_sphere();
+    let radius = radius * MARGIN;
+    let disk = warp::concentric_disk::sample(place) * radius;
+    let frame = Frame::from_normal(towards_light);
+    let origin = centre + frame.to_world(disk.extend(radius));
+    let power = irradiance * (PI * radius * radius);
+    (power.is_finite() && !power.is_black())
+        .then_some(RaySample { ray: Ray::new(origin, -towards_light), power })
+}
+
+/// A ray from an emitter that looks the same from everywhere, in a direction that it samples.
+fn sample_ray_from_afar(
+    light: &impl Light,
+    scene: &impl SceneView,
+    place: Vec2,
+    direction: Vec2,
+) -> Option<RaySample> {
+    let sample = light.sample_direction(scene, Vec3::ZERO, direction)?;
+    ray_from_afar(scene, sample.direction, sample.radiance / sample.pdf, place)
 }

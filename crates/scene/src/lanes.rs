@@ -6,7 +6,7 @@ mod light;
 mod surface;
 
 pub use closure::SampleLanes;
-pub(crate) use closure::{HitClosure, LaneClosure, Transfer};
-pub(crate) use light::shadow_segment;
+pub(crate) use closure::{Columns, HitClosure, LaneClosure, Transfer, columns, count};
 pub use light::{LightLanes, TargetLanes};
+pub(crate) use light::{SHADOW_RAY_LENGTH, shadow_segment};
 pub use surface::{SurfaceBatch, SurfaceLanes};

@@ -22,9 +22,11 @@ mod manual;
 pub mod medium;
 pub mod models;
 pub mod phase;
+mod plugin;
 pub mod registry;
 pub mod rfilter;
 pub mod sampler;
+mod scattering;
 mod scene;
 pub mod sensor;
 pub mod shape;
@@ -35,6 +37,7 @@ pub mod volume;
 
 pub use etendue_bvh::{Hit, Tier};
 
+pub use batch::{ClosureLanes, LaneKind, Materials};
 pub use builder::{
     Assets, BuildOptions, Builder, GatheredScene, Identity, SceneInput, build_scene, gather_scene,
 };

@@ -17,6 +17,7 @@ pub use homogeneous::Homogeneous;
 use crate::builder::Builder;
 use crate::ids::MediumId;
 use crate::manual::{ParameterManual, parameter};
+use crate::phase::isotropic::Isotropic;
 use crate::phase::{MediumInteraction, PhaseFunction};
 use crate::volume::Volume;
 use crate::volume::gridvolume::GridVolume;
@@ -170,7 +171,7 @@ fn read_phase(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<
     }
     match children.first() {
         Some(child) => builder.phase(child.node),
-        None => Some(PhaseFunction::Isotropic),
+        None => Some(PhaseFunction::Isotropic(Isotropic)),
     }
 }
 

@@ -15,6 +15,7 @@ pub mod majorants;
 pub mod mesh;
 pub mod microfacet;
 pub(crate) mod picture_in_memory;
+pub mod placement;
 pub mod profile;
 pub mod texels;
 pub mod uv;

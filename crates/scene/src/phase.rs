@@ -16,28 +16,99 @@ pub mod tabphase;
 #[cfg(test)]
 mod tests;
 
+use crate::builder::Builder;
+use crate::plugin::{Plugin, plugin};
 use crate::volume::gridvolume::GridVolume;
+use etendue_document::Parameters;
 use etendue_math::Frame;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// A phase function of the scene.
-#[derive(Clone, Debug)]
-pub enum PhaseFunction {
-    /// The same in all directions.
-    Isotropic,
-    /// Henyey and Greenstein's.
-    HenyeyGreenstein(hg::HenyeyGreenstein),
-    /// Rayleigh's, of particles much smaller than the wavelength.
-    Rayleigh,
-    /// A mixture of two others.
-    Blend(Box<blendphase::Blend>),
-    /// A table over the cosine of the scattering angle.
-    Tabulated(Box<tabphase::Tabulated>),
-    /// Microflakes.
-    Sggx(sggx::Sggx),
+/// The list of phase functions: one line is one plugin, its XML `type`, which is its module as well, and
+/// what the scene holds of it, which is a [`PhaseModel`].
+macro_rules! phase_list {
+    ($macro:ident) => {
+        $macro! {
+            blendphase => Blend(Box<blendphase::Blend>);
+            hg => HenyeyGreenstein(hg::HenyeyGreenstein);
+            isotropic => Isotropic(isotropic::Isotropic);
+            rayleigh => Rayleigh(rayleigh::Rayleigh);
+            sggx => Sggx(sggx::Sggx);
+            tabphase => Tabulated(Box<tabphase::Tabulated>);
+        }
+    };
 }
+
+/// What a phase function plugin computes; see the module's contract.
+pub(crate) trait PhaseModel {
+    /// See [`PhaseFunction::eval`].
+    fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32;
+
+    /// See [`PhaseFunction::sample`].
+    fn sample(
+        &self,
+        interaction: &MediumInteraction,
+        part: f32,
+        direction: Vec2,
+    ) -> Option<PhaseSample>;
+
+    /// See [`PhaseFunction::projected_area`]; 1 for all but microflakes.
+    fn projected_area(&self, _interaction: &MediumInteraction) -> f32 {
+        1.0
+    }
+
+    /// The greatest value that [`projected_area`](Self::projected_area) takes anywhere.
+    fn greatest_area(&self) -> f32 {
+        1.0
+    }
+
+    /// Whether the projected area is one everywhere: there are no microflakes.
+    fn shows_one_area(&self) -> bool {
+        true
+    }
+
+    /// Whether the projected area is the same everywhere for a direction.
+    fn is_uniform(&self) -> bool {
+        true
+    }
+
+    /// Adds the grids that the phase function reads, if it reads any.
+    fn collect_grids<'a>(&'a self, _grids: &mut Vec<&'a Arc<GridVolume>>) {}
+}
+
+/// Makes the enum of phase functions, its dispatch and the registry from the list.
+macro_rules! phases {
+    ($($module:ident => $name:ident($type:ty);)*) => {
+        /// A phase function of the scene.
+        #[derive(Clone, Debug)]
+        pub enum PhaseFunction {
+            $(#[doc = concat!("See [`", stringify!($module), "`].")] $name($type),)*
+        }
+
+        /// Every phase function.
+        pub static PHASES: &[Plugin<BuildPhase>] = &[
+            $(plugin(stringify!($module), &$module::MANUAL, |builder, parameters| {
+                let phase = $module::build(builder, parameters)?;
+                Some(PhaseFunction::$name(phase.into()))
+            }),)*
+        ];
+
+        /// Runs `$work` with the [`PhaseModel`] of a phase function.
+        macro_rules! with_phase {
+            ($phase_function:expr, $phase:ident => $work:expr) => {
+                match $phase_function {
+                    $(PhaseFunction::$name($phase) => $work,)*
+                }
+            };
+        }
+    };
+}
+
+phase_list!(phases);
+
+/// Builds a phase function.
+pub type BuildPhase = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<PhaseFunction>;
 
 /// Where light is scattered.
 #[derive(Clone, Copy, Debug)]
@@ -61,15 +132,8 @@ impl PhaseFunction {
     /// The density of `wo`; see the module's contract.
     #[inline]
     #[must_use]
-    pub fn eval(&self, site: &MediumInteraction, wo: Vec3) -> f32 {
-        match self {
-            Self::Isotropic => isotropic::DENSITY,
-            Self::HenyeyGreenstein(phase) => phase.eval(forwardness(site, wo)),
-            Self::Rayleigh => rayleigh::eval(forwardness(site, wo)),
-            Self::Blend(phase) => phase.eval(site, wo),
-            Self::Tabulated(phase) => phase.eval(forwardness(site, wo)),
-            Self::Sggx(phase) => phase.eval(site, wo),
-        }
+    pub fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32 {
+        with_phase!(self, phase => phase.eval(interaction, wo))
     }
 
     /// Chooses `wo`; `None` where it fails. `part` and `direction` are uniform in [0, 1).
@@ -77,85 +141,55 @@ impl PhaseFunction {
     #[must_use]
     pub fn sample(
         &self,
-        site: &MediumInteraction,
+        interaction: &MediumInteraction,
         part: f32,
         direction: Vec2,
     ) -> Option<PhaseSample> {
-        match self {
-            Self::Isotropic => Some(isotropic::sample(direction)),
-            Self::HenyeyGreenstein(phase) => Some(phase.sample(site, direction)),
-            Self::Rayleigh => Some(rayleigh::sample(site, direction)),
-            Self::Blend(phase) => phase.sample(site, part, direction),
-            Self::Tabulated(phase) => Some(phase.sample(site, direction)),
-            Self::Sggx(phase) => phase.sample(site, direction),
-        }
+        with_phase!(self, phase => phase.sample(interaction, part, direction))
     }
 
     /// What the extinction along a direction is multiplied by: the area of microflakes seen from it,
     /// and 1 for all others.
     #[inline]
     #[must_use]
-    pub fn projected_area(&self, site: &MediumInteraction) -> f32 {
-        match self {
-            Self::Sggx(phase) => phase.projected_area(site),
-            Self::Blend(phase) => phase.projected_area(site),
-            _ => 1.0,
-        }
+    pub fn projected_area(&self, interaction: &MediumInteraction) -> f32 {
+        with_phase!(self, phase => phase.projected_area(interaction))
     }
 
     /// The greatest value that [`Self::projected_area`] takes anywhere.
     #[must_use]
     pub fn greatest_area(&self) -> f32 {
-        match self {
-            Self::Sggx(phase) => phase.greatest_area(),
-            Self::Blend(phase) => phase.greatest_area(),
-            _ => 1.0,
-        }
+        with_phase!(self, phase => phase.greatest_area())
     }
 
     /// Whether the projected area is one everywhere: there are no microflakes.
     fn shows_one_area(&self) -> bool {
-        match self {
-            Self::Sggx(_) => false,
-            Self::Blend(phase) => phase.parts().iter().all(Self::shows_one_area),
-            _ => true,
-        }
+        with_phase!(self, phase => phase.shows_one_area())
     }
 
     /// Adds the grids that the phase function reads.
     pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
-        match self {
-            Self::Sggx(phase) => grids.extend(phase.grid()),
-            Self::Blend(phase) => {
-                grids.extend(phase.weight().grid());
-                phase.parts().iter().for_each(|part| part.collect_grids(grids));
-            }
-            _ => {}
-        }
+        with_phase!(self, phase => phase.collect_grids(grids));
     }
 
     /// Whether the projected area is the same everywhere for a direction.
     #[must_use]
     pub fn is_uniform(&self) -> bool {
-        match self {
-            Self::Sggx(phase) => phase.is_uniform(),
-            Self::Blend(phase) => phase.has_uniform_area(),
-            _ => true,
-        }
+        with_phase!(self, phase => phase.is_uniform())
     }
 }
 
 /// The cosine of the scattering angle: 1 where light goes straight on.
 #[inline]
-fn forwardness(site: &MediumInteraction, wo: Vec3) -> f32 {
-    -site.wi.dot(wo)
+fn forwardness(interaction: &MediumInteraction, wo: Vec3) -> f32 {
+    -interaction.wi.dot(wo)
 }
 
-/// The direction that turns light at `site` by an angle of the cosine `forwardness`, at an azimuth of
+/// The direction that turns light at `interaction` by an angle of the cosine `forwardness`, at an azimuth of
 /// `turn` (in whole turns).
 #[inline]
-fn deflected(site: &MediumInteraction, forwardness: f32, turn: f32) -> Vec3 {
+fn deflected(interaction: &MediumInteraction, forwardness: f32, turn: f32) -> Vec3 {
     let sine = (1.0 - forwardness * forwardness).max(0.0).sqrt();
     let (y, x) = (TAU * turn).sin_cos();
-    Frame::from_normal(-site.wi).to_world(Vec3::new(sine * x, sine * y, forwardness))
+    Frame::from_normal(-interaction.wi).to_world(Vec3::new(sine * x, sine * y, forwardness))
 }

@@ -18,7 +18,7 @@ pub mod mitchell;
 pub mod tent;
 
 use crate::manual::Manual;
-use crate::registry::{self, Plugin};
+use crate::plugin::{Plugin, find};
 use etendue_document::{Class, Parameters};
 use etendue_sampling::TabulatedFilter;
 use glam::Vec2;
@@ -69,7 +69,7 @@ pub fn build_child(film: &Parameters<'_>) -> Option<ReconstructionFilter> {
 /// Builds a filter from its node; `None` after an error has been reported.
 #[must_use]
 pub fn build(parameters: &Parameters<'_>) -> Option<ReconstructionFilter> {
-    registry::find(FILTERS, parameters).and_then(|found| (found.build)(parameters))
+    find(FILTERS, parameters).and_then(|found| (found.build)(parameters))
 }
 
 /// The function f of a filter.

@@ -14,7 +14,7 @@ pub mod sobol;
 pub mod stratified;
 
 use crate::manual::{ParameterManual, parameter};
-use crate::registry::{self, Plugin};
+use crate::plugin::{Plugin, find};
 use etendue_document::{Class, Fault, Parameters};
 use etendue_sampling::{SamplerKind, SamplerSpec};
 
@@ -62,7 +62,7 @@ pub fn build_child(sensor: &Parameters<'_>) -> Option<SamplerSpec> {
         return Some(SamplerSpec::new(SamplerKind::Independent, DEFAULT_SAMPLE_COUNT as u32, 0));
     };
     let parameters = sensor.document().parameters(child.node, sensor.diagnostics());
-    let build = registry::find(SAMPLERS, &parameters)?;
+    let build = find(SAMPLERS, &parameters)?;
     let sampler = build(&parameters);
     parameters.finish();
     sampler

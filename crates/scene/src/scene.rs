@@ -1,14 +1,16 @@
 //! The frozen scene: immutable, flat, shared by all threads.
 
+mod lights;
 mod statistics;
 mod tree;
 
+use self::lights::LaneEmitters;
 pub use self::statistics::SceneStatistics;
 pub(crate) use self::tree::{Tree, TreeContent};
-use crate::batch::LaneEmitters;
-use crate::bsdf::{Bsdf, LaneKind, LaneMaterial, Material, Materials};
+use crate::batch::{BatchMaterial, LaneKind, Materials};
+use crate::bsdf::{Bsdf, Material};
 use crate::cache::AssetCache;
-use crate::emitter::Emitter;
+use crate::emitter::{Emitter, SceneView};
 use crate::film::FilmSpec;
 use crate::ids::{EmitterId, InstanceId, MaterialId, MediumId, ShapeId};
 use crate::interaction::SurfaceInteraction;
@@ -24,7 +26,6 @@ use etendue_document::{Diagnostics, Fault};
 use etendue_math::lanes::{Level, Real, baseline};
 use etendue_math::{Bounds3, Ray};
 use etendue_sampling::{AliasTable, SamplerSpec};
-use glam::Vec2;
 use std::sync::Arc;
 
 /// A camera with its film and its random numbers.
@@ -78,7 +79,7 @@ pub struct Scene {
     instances: Vec<Instance>,
     groups: Vec<Group>,
     materials: Vec<Material>,
-    lane_materials: Vec<LaneMaterial>,
+    batch_materials: Vec<BatchMaterial>,
     textures: Vec<Texture>,
     emitters: Vec<Emitter>,
     /// How emitters are chosen where they are not all alike.
@@ -183,7 +184,7 @@ impl Scene {
             top_level,
             instances: parts.instances,
             groups: parts.groups,
-            lane_materials: LaneMaterial::of_all(&parts.materials),
+            batch_materials: BatchMaterial::of_all(&parts.materials),
             materials: parts.materials,
             textures: parts.textures,
             emitter_table: emitter_table(&parts.emitter_weights, diagnostics),
@@ -299,7 +300,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn materials(&self) -> Materials<'_> {
-        Materials { materials: &self.materials, lanes: &self.lane_materials }
+        Materials { materials: &self.materials, batch: &self.batch_materials }
     }
 
     /// All textures.
@@ -428,22 +429,7 @@ impl Scene {
 
     /// The nearest hit with one of the analytic shapes.
     fn intersect_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
-        let (t, local) = match &self.shapes[id.index()].geometry {
-            Geometry::Sphere(sphere) => (sphere.intersect(ray)?, Vec2::ZERO),
-            Geometry::Disk(disk) => disk.intersect(ray)?,
-            Geometry::Cylinder(cylinder) => cylinder.intersect(ray)?,
-            Geometry::RevSurface(surface) => surface.intersect(ray)?,
-            Geometry::LinearCurve(curve) => (curve.intersect(primitive, ray)?, Vec2::ZERO),
-            Geometry::BSplineCurve(curve) => {
-                let (t, s) = curve.intersect(primitive, ray)?;
-                (t, Vec2::new(s, 0.0))
-            }
-            Geometry::SdfGrid(grid) => (grid.intersect(primitive, ray)?, Vec2::ZERO),
-            Geometry::Ellipsoids(cloud) => (cloud.intersect(primitive, ray)?, Vec2::ZERO),
-            Geometry::EllipsoidsMesh(cloud) => cloud.intersect(primitive, ray)?,
-            Geometry::Mesh(_) => return None,
-        };
-        Some(PrimitiveHit { t, u: local.x, v: local.y })
+        self.shapes[id.index()].geometry.intersect(primitive, ray)
     }
 
     /// The shape that the tree calls `geometry` within the group of `instance`.
@@ -454,10 +440,23 @@ impl Scene {
 
     /// Whether one of the analytic shapes is in the way.
     fn occludes_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> bool {
-        match &self.shapes[id.index()].geometry {
-            Geometry::RevSurface(surface) => surface.occludes(ray),
-            _ => self.intersect_shape(id, primitive, ray).is_some(),
-        }
+        self.shapes[id.index()].geometry.occludes(primitive, ray)
+    }
+}
+
+impl SceneView for Scene {
+    #[inline]
+    fn shape(&self, id: ShapeId) -> &Shape {
+        self.shape(id)
+    }
+
+    #[inline]
+    fn textures(&self) -> Textures<'_> {
+        self.textures()
+    }
+
+    fn bounds(&self) -> Bounds3 {
+        self.bounds()
     }
 }
 

@@ -18,32 +18,112 @@ pub mod thinlens;
 
 pub use crate::models::connection::Connection;
 
-use crate::builder::read_transform;
+use crate::builder::{Builder, read_transform};
 use crate::film::FilmSpec;
 use crate::manual::{ParameterManual, parameter};
+use crate::plugin::{Plugin, plugin};
+use crate::shape::Geometry;
 use etendue_document::{Fault, Parameters};
 use etendue_math::lanes::Level;
 use etendue_math::{Bounds3, Ray, Transform, with_lanes};
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec2, Vec3};
 
-/// A sensor of the scene.
-#[derive(Clone, Debug)]
-pub enum Sensor {
-    /// Several sensors side by side.
-    Batch(batch::Batch),
-    /// What leaves the scene in one direction.
-    Distant(Box<distant::Distant>),
-    /// What arrives on a shape.
-    Irradiancemeter(Box<irradiancemeter::Irradiancemeter>),
-    /// One ray.
-    Radiancemeter(radiancemeter::Radiancemeter),
-    /// Parallel rays.
-    Orthographic(orthographic::Orthographic),
-    /// A pinhole.
-    Perspective(perspective::Perspective),
-    /// A lens that has one distance in focus.
-    ThinLens(thinlens::ThinLens),
+/// The list of sensors: one line is one plugin, its XML `type`, which is its module as well, and what the
+/// scene holds of it, which is a [`SensorModel`]. Those of `shapes` are nested in a shape.
+macro_rules! sensor_list {
+    ($macro:ident) => {
+        $macro! {
+            free {
+                batch => Batch(batch::Batch);
+                distant => Distant(Box<distant::Distant>);
+                orthographic => Orthographic(orthographic::Orthographic);
+                perspective => Perspective(perspective::Perspective);
+                radiancemeter => Radiancemeter(radiancemeter::Radiancemeter);
+                thinlens => ThinLens(thinlens::ThinLens);
+            }
+            shapes {
+                irradiancemeter => Irradiancemeter(Box<irradiancemeter::Irradiancemeter>);
+            }
+        }
+    };
 }
+
+/// What a sensor plugin computes; see the module's contract.
+pub(crate) trait SensorModel {
+    /// What all sensors have.
+    fn common(&self) -> &SensorCommon;
+
+    /// See [`Sensor::has_lens`]; no lens unless the sensor says so.
+    fn has_lens(&self) -> bool {
+        false
+    }
+
+    /// See [`Sensor::sample_ray`]; `None` where there is no ray to ask for.
+    fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> Option<SensorRay>;
+
+    /// See [`Sensor::connect`]; `None` for sensors that particles cannot meet.
+    fn connect(&self, _point: Vec3, _aperture: Vec2) -> Option<Connection> {
+        None
+    }
+
+    /// Camera space to the film, z being 0 at the near and 1 at the far plane; the identity for sensors
+    /// whose film shows no picture in perspective.
+    fn projection(&self) -> DMat4 {
+        DMat4::IDENTITY
+    }
+
+    /// Tells sensors that look at the whole scene how large it is.
+    fn set_bounds(&mut self, _bounds: &Bounds3) {}
+}
+
+/// Makes the enum of sensors, its dispatch and the registry from the list.
+macro_rules! sensors {
+    (
+        free { $($module:ident => $name:ident($type:ty);)* }
+        shapes { $($nested_module:ident => $nested:ident($nested_type:ty);)* }
+    ) => {
+        /// A sensor of the scene.
+        #[derive(Clone, Debug)]
+        pub enum Sensor {
+            $(#[doc = concat!("See [`", stringify!($module), "`].")] $name($type),)*
+            $(#[doc = concat!("See [`", stringify!($nested_module), "`].")]
+            $nested($nested_type),)*
+        }
+
+        /// Every sensor that stands alone.
+        pub static SENSORS: &[Plugin<BuildSensor>] = &[
+            $(plugin(stringify!($module), &$module::MANUAL, |builder, parameters, film| {
+                let sensor = $module::build(builder, parameters, film)?;
+                Some(Sensor::$name(sensor.into()))
+            }),)*
+        ];
+
+        /// Every sensor that is nested in a shape.
+        pub static SHAPE_SENSORS: &[Plugin<BuildShapeSensor>] = &[
+            $(plugin(stringify!($nested_module), &$nested_module::MANUAL, |parameters, film, shape| {
+                let sensor = $nested_module::build(parameters, film, shape)?;
+                Some(Sensor::$nested(sensor.into()))
+            }),)*
+        ];
+
+        /// Runs `$work` with the [`SensorModel`] of a sensor.
+        macro_rules! with_sensor {
+            ($sensor:expr, $model:ident => $work:expr) => {
+                match $sensor {
+                    $(Sensor::$name($model) => $work,)*
+                    $(Sensor::$nested($model) => $work,)*
+                }
+            };
+        }
+    };
+}
+
+sensor_list!(sensors);
+
+/// Builds a sensor for a film.
+pub type BuildSensor = fn(&mut Builder<'_>, &Parameters<'_>, &FilmSpec) -> Option<Sensor>;
+/// Builds the sensor of a shape for a film.
+pub type BuildShapeSensor = fn(&Parameters<'_>, &FilmSpec, &Geometry) -> Option<Sensor>;
 
 /// A ray that a sensor asks for.
 #[derive(Clone, Copy, Debug)]
@@ -85,11 +165,7 @@ impl Sensor {
     #[inline]
     #[must_use]
     pub fn has_lens(&self) -> bool {
-        match self {
-            Self::ThinLens(_) | Self::Irradiancemeter(_) | Self::Distant(_) => true,
-            Self::Batch(batch) => batch.sensors.iter().any(Self::has_lens),
-            Self::Orthographic(_) | Self::Perspective(_) | Self::Radiancemeter(_) => false,
-        }
+        with_sensor!(self, sensor => sensor.has_lens())
     }
 
     /// The ray from a film position through a point of the aperture; `aperture` is uniform in
@@ -97,13 +173,9 @@ impl Sensor {
     #[inline]
     #[must_use]
     pub fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> SensorRay {
-        let ray = match self {
-            Self::Orthographic(sensor) => sensor.ray(film_position),
-            Self::Perspective(sensor) => sensor.ray(film_position),
-            Self::ThinLens(sensor) => sensor.ray(film_position, aperture),
-            _ => return self.sample_other(film_position, aperture),
-        };
-        SensorRay { ray, weight: 1.0 }
+        let ray = with_sensor!(self, sensor => sensor.sample_ray(film_position, aperture));
+        // A shape without area sends out rays that count nothing.
+        ray.unwrap_or(SensorRay { ray: Ray::segment(Vec3::ZERO, Vec3::Z, 0.0), weight: 0.0 })
     }
 
     /// Appends [`Self::sample_ray`] of each film position with the point of the aperture beside it.
@@ -124,45 +196,15 @@ impl Sensor {
         sensor_rays.extend(places.map(|(&place, &aperture)| self.sample_ray(place, aperture)));
     }
 
-    /// [`Self::sample_ray`] of sensors that are no cameras.
-    #[cold]
-    fn sample_other(&self, film_position: Vec2, aperture: Vec2) -> SensorRay {
-        let ray = match self {
-            Self::Batch(batch) => batch
-                .at(film_position)
-                .map(|(sensor, film_position)| sensor.sample_ray(film_position, aperture)),
-            Self::Distant(sensor) => sensor.ray(aperture),
-            Self::Irradiancemeter(sensor) => sensor.ray(film_position, aperture),
-            Self::Radiancemeter(sensor) => Some(SensorRay { ray: sensor.ray(), weight: 1.0 }),
-            Self::Orthographic(_) | Self::Perspective(_) | Self::ThinLens(_) => None,
-        };
-        // A shape without area sends out rays that count nothing.
-        ray.unwrap_or(SensorRay { ray: Ray::segment(Vec3::ZERO, Vec3::Z, 0.0), weight: 0.0 })
-    }
-
     /// Tells sensors that look at the whole scene how large it is.
     pub(crate) fn set_bounds(&mut self, bounds: &Bounds3) {
-        match self {
-            Self::Distant(sensor) => sensor.set_bounds(bounds),
-            Self::Batch(batch) => {
-                batch.sensors.iter_mut().for_each(|sensor| sensor.set_bounds(bounds));
-            }
-            _ => {}
-        }
+        with_sensor!(self, sensor => sensor.set_bounds(bounds));
     }
 
     /// What all sensors have.
     #[must_use]
     pub fn common(&self) -> &SensorCommon {
-        match self {
-            Self::Batch(sensor) => &sensor.common,
-            Self::Distant(sensor) => &sensor.common,
-            Self::Irradiancemeter(sensor) => &sensor.common,
-            Self::Radiancemeter(sensor) => &sensor.common,
-            Self::Orthographic(sensor) => &sensor.common,
-            Self::Perspective(sensor) => &sensor.common,
-            Self::ThinLens(sensor) => &sensor.common,
-        }
+        with_sensor!(self, sensor => sensor.common())
     }
 
     /// How the world point `point` shows on the film, through a point of the aperture; `aperture` is
@@ -170,12 +212,7 @@ impl Sensor {
     /// particle can meet.
     #[must_use]
     pub fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
-        let connection = match self {
-            Self::Orthographic(sensor) => sensor.connect(point),
-            Self::Perspective(sensor) => sensor.connect(point),
-            Self::ThinLens(sensor) => sensor.connect(point, aperture),
-            _ => None,
-        }?;
+        let connection = with_sensor!(self, sensor => sensor.connect(point, aperture))?;
         let is_finite = connection.importance.is_finite() && connection.film_position.is_finite();
         is_finite.then_some(connection)
     }
@@ -183,13 +220,7 @@ impl Sensor {
     /// The camera as file headers describe it; that of a lens is its centre's.
     #[must_use]
     pub fn camera_matrices(&self) -> CameraMatrices {
-        let projection = match self {
-            Self::Orthographic(sensor) => sensor.projection(),
-            Self::Perspective(sensor) => sensor.projection(),
-            Self::ThinLens(sensor) => sensor.projection(),
-            // No picture in perspective.
-            _ => DMat4::IDENTITY,
-        };
+        let projection = with_sensor!(self, sensor => sensor.projection());
         let camera = Mat4::from(self.common().to_world.inverse_affine()).as_dmat4();
         let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         CameraMatrices {

@@ -25,10 +25,13 @@ pub mod serialized;
 pub mod shapegroup;
 pub mod sphere;
 
+use crate::builder::Assets;
 use crate::ids::{EmitterId, MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;
 use crate::models::mesh::Mesh;
-use etendue_bvh::Hit;
+use crate::plugin::{Plugin, plugin};
+use etendue_bvh::{Hit, PrimitiveHit};
+use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector3};
 use etendue_math::{Bounds3, Frame, Ray};
 use glam::{Vec2, Vec3};
@@ -45,29 +48,228 @@ pub struct Shape {
     pub emitter: Option<EmitterId>,
 }
 
-/// The kinds of geometry. What is large is shared by its clones.
-#[derive(Clone, Debug)]
-pub enum Geometry {
-    /// Triangles.
-    Mesh(Mesh),
-    /// A sphere.
-    Sphere(sphere::Sphere),
-    /// A flat disk.
-    Disk(disk::Disk),
-    /// A cylinder without caps.
-    Cylinder(cylinder::Cylinder),
-    /// A surface of revolution.
-    RevSurface(Arc<revsurface::RevSurface>),
-    /// Straight tubes.
-    LinearCurve(Arc<linearcurve::LinearCurve>),
-    /// Tubes along splines.
-    BSplineCurve(Arc<bsplinecurve::BSplineCurve>),
-    /// A signed distance on a grid.
-    SdfGrid(Arc<sdfgrid::SdfGrid>),
-    /// A cloud of ellipsoids.
-    Ellipsoids(Arc<ellipsoids::Ellipsoids>),
-    /// A cloud of ellipsoids in shells of triangles.
-    EllipsoidsMesh(Arc<ellipsoidsmesh::EllipsoidsMesh>),
+/// The list of shapes with geometry of their own: one line is one plugin, its XML `type`, which is its
+/// module as well, and its type in that module, which is a [`ShapeModel`].
+///
+/// - `plain` shapes are small; `shared` ones are not: clones share them.
+/// - `meshes` become triangles: they build a [`Mesh`].
+/// - `composites` are made of other shapes; the scene's builder resolves them.
+macro_rules! shape_list {
+    ($macro:ident) => {
+        $macro! {
+            plain {
+                cylinder => Cylinder;
+                disk => Disk;
+                sphere => Sphere;
+            }
+            shared {
+                bsplinecurve => BSplineCurve;
+                ellipsoids => Ellipsoids;
+                ellipsoidsmesh => EllipsoidsMesh;
+                linearcurve => LinearCurve;
+                revsurface => RevSurface;
+                sdfgrid => SdfGrid;
+            }
+            meshes {
+                cube;
+                mesh;
+                obj;
+                ply;
+                rectangle;
+                serialized;
+            }
+            composites {
+                instance;
+                shapegroup;
+            }
+        }
+    };
+}
+
+/// What a shape plugin computes; see the module's contract.
+pub(crate) trait ShapeModel {
+    /// The box around all of it.
+    fn bounds(&self) -> Bounds3;
+
+    /// The boxes around the primitives that the shape intersects itself: one around it all, unless it
+    /// has several. Triangles have none.
+    fn primitive_boxes(&self) -> Vec<Bounds3> {
+        vec![self.bounds()]
+    }
+
+    /// How many primitives there are.
+    fn primitive_count(&self) -> usize {
+        1
+    }
+
+    /// Where `ray` meets a primitive first.
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit>;
+
+    /// Whether `ray` meets a primitive at all, which may be quicker to find out than where.
+    fn occludes(&self, primitive: u32, ray: &Ray) -> bool {
+        self.intersect(primitive, ray).is_some()
+    }
+
+    /// Where `ray` arrives.
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
+
+    /// Whether the shape has to be made ready before it is sampled as a light.
+    const PREPARES_SAMPLING: bool = false;
+
+    /// Makes the shape ready to be sampled as a light, if [that](Self::PREPARES_SAMPLING) takes anything.
+    fn prepare_sampling(&mut self) {}
+
+    /// The area; zero for shapes that are not sampled as lights.
+    fn area(&self) -> f32 {
+        0.0
+    }
+
+    /// A point uniform in area, or as its picture has it; none where shapes are not sampled as lights.
+    fn sample_area(&self, _random: Vec2) -> Option<ShapeSample> {
+        None
+    }
+
+    /// The density per area with which [`sample_area`](Self::sample_area) chooses a point.
+    fn pdf_area(&self, _surface: &SurfaceInteraction) -> f32 {
+        1.0 / self.area()
+    }
+
+    /// See [`Shape::sample_direction`]; a point uniform in area unless the shape can do better.
+    fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
+        self.sample_area(random)?.seen_from(reference)
+    }
+
+    /// The density of [`sample_direction`](Self::sample_direction).
+    fn pdf_direction(&self, reference: Vec3, surface: &SurfaceInteraction) -> f32 {
+        let path = surface.point - reference;
+        area_to_solid_angle(self.pdf_area(surface), path, surface.normal).unwrap_or(0.0)
+    }
+
+    /// Bytes of memory held beside the shape itself.
+    fn memory_bytes(&self) -> usize {
+        0
+    }
+}
+
+/// Makes the enum of geometry, its dispatch and the registry from the list.
+macro_rules! shapes {
+    (
+        plain { $($module:ident => $name:ident;)* }
+        shared { $($shared_module:ident => $shared:ident;)* }
+        meshes { $($mesh:ident;)* }
+        composites { $($composite:ident;)* }
+    ) => {
+        /// The kinds of geometry. What is large is shared by its clones.
+        #[derive(Clone, Debug)]
+        pub enum Geometry {
+            /// Triangles.
+            Mesh(Mesh),
+            $(#[doc = concat!("See [`", stringify!($module), "`].")] $name($module::$name),)*
+            $(#[doc = concat!("See [`", stringify!($shared_module), "`].")]
+            $shared(Arc<$shared_module::$shared>),)*
+        }
+
+        /// Every shape with geometry of its own.
+        pub static SHAPES: &[Plugin<BuildGeometry>] = &[
+            $(plugin(stringify!($module), &$module::MANUAL, |assets, parameters| {
+                $module::build(assets, parameters).map(Geometry::$name)
+            }),)*
+            $(plugin(stringify!($shared_module), &$shared_module::MANUAL, |assets, parameters| {
+                let shape = $shared_module::build(assets, parameters)?;
+                Some(Geometry::$shared(Arc::new(shape)))
+            }),)*
+            $(plugin(stringify!($mesh), &$mesh::MANUAL, |assets, parameters| {
+                $mesh::build(assets, parameters).map(Geometry::Mesh)
+            }),)*
+        ];
+
+        /// The shapes that are made of others: their names and pages.
+        pub static COMPOSITE_SHAPES: &[Plugin<()>] =
+            &[$(plugin(stringify!($composite), &$composite::MANUAL, ())),*];
+
+        /// Runs `$work` with the [`ShapeModel`] of a geometry.
+        macro_rules! with_shape {
+            ($geometry:expr, $shape:ident => $work:expr) => {
+                match $geometry {
+                    Geometry::Mesh($shape) => $work,
+                    $(Geometry::$name($shape) => $work,)*
+                    $(Geometry::$shared(shared) => {
+                        let $shape = shared.as_ref();
+                        $work
+                    })*
+                }
+            };
+        }
+
+        impl Geometry {
+            /// Makes the shape ready to be a light.
+            pub fn prepare_sampling(&mut self) {
+                match self {
+                    Self::Mesh(mesh) => ShapeModel::prepare_sampling(mesh),
+                    $(Self::$name(shape) => ShapeModel::prepare_sampling(shape),)*
+                    $(Self::$shared(shape) => {
+                        if $shared_module::$shared::PREPARES_SAMPLING {
+                            ShapeModel::prepare_sampling(Arc::make_mut(shape));
+                        }
+                    })*
+                }
+            }
+        }
+    };
+}
+
+shape_list!(shapes);
+
+/// Builds the geometry of a shape. Only this step reads files, so that it can run in parallel.
+pub type BuildGeometry = fn(&Assets<'_>, &Parameters<'_>) -> Option<Geometry>;
+
+impl ShapeModel for Mesh {
+    fn bounds(&self) -> Bounds3 {
+        self.bounds()
+    }
+
+    /// The tree knows the triangles.
+    fn primitive_boxes(&self) -> Vec<Bounds3> {
+        Vec::new()
+    }
+
+    fn primitive_count(&self) -> usize {
+        self.triangles().len()
+    }
+
+    /// The tree intersects the triangles.
+    fn intersect(&self, _primitive: u32, _ray: &Ray) -> Option<PrimitiveHit> {
+        None
+    }
+
+    fn surface_point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(hit.primitive, Vec2::new(hit.u, hit.v))
+    }
+
+    fn prepare_sampling(&mut self) {
+        self.prepare_sampling();
+    }
+
+    fn area(&self) -> f32 {
+        self.area()
+    }
+
+    fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        self.sample_area(random)
+    }
+
+    fn pdf_area(&self, surface: &SurfaceInteraction) -> f32 {
+        self.pdf_area(surface)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
+    }
+}
+
+/// The box around several primitives.
+fn union(boxes: Vec<Bounds3>) -> Bounds3 {
+    boxes.into_iter().fold(Bounds3::EMPTY, Bounds3::union)
 }
 
 /// Where on a surface a ray arrives, before the frame and coordinates that the caller may not need.
@@ -119,6 +321,12 @@ impl ShapeSample {
         }
     }
 
+    /// The unit geometric normal on the side where the shading normal points, which sends out light.
+    #[must_use]
+    pub fn front(&self) -> Vec3 {
+        self.normal * 1.0_f32.copysign(self.normal.dot(self.shading_normal))
+    }
+
     /// The same, taken apart and put together again. What a call returns lies in memory; where it meets
     /// a value computed in place, the compiler would put that there too, piece by piece, and read it
     /// back in larger pieces, which the processor cannot forward: 3 % of a render.
@@ -165,76 +373,43 @@ impl Geometry {
     /// The box around all of it.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
-        match self {
-            Self::Mesh(mesh) => mesh.bounds(),
-            Self::Sphere(sphere) => sphere.bounds(),
-            Self::Disk(disk) => disk.bounds(),
-            Self::Cylinder(cylinder) => cylinder.bounds(),
-            Self::RevSurface(surface) => surface.bounds(),
-            Self::LinearCurve(_)
-            | Self::BSplineCurve(_)
-            | Self::SdfGrid(_)
-            | Self::Ellipsoids(_)
-            | Self::EllipsoidsMesh(_) => {
-                self.primitive_boxes().into_iter().fold(Bounds3::EMPTY, Bounds3::union)
-            }
-        }
+        with_shape!(self, shape => ShapeModel::bounds(shape))
     }
 
     /// The boxes around the primitives that the shape intersects itself; none for triangles.
     #[must_use]
     pub fn primitive_boxes(&self) -> Vec<Bounds3> {
-        match self {
-            Self::Mesh(_) => Vec::new(),
-            Self::LinearCurve(curve) => curve.boxes(),
-            Self::BSplineCurve(curve) => curve.boxes(),
-            Self::SdfGrid(grid) => grid.boxes(),
-            Self::Ellipsoids(cloud) => cloud.boxes(),
-            Self::EllipsoidsMesh(cloud) => cloud.boxes(),
-            _ => vec![self.bounds()],
-        }
-    }
-
-    /// Makes the shape ready to be a light.
-    pub fn prepare_sampling(&mut self) {
-        match self {
-            Self::Mesh(mesh) => mesh.prepare_sampling(),
-            Self::RevSurface(surface) => Arc::make_mut(surface).prepare_sampling(),
-            _ => {}
-        }
-    }
-
-    /// Where `ray` arrives.
-    #[inline(never)]
-    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        match self {
-            Self::Mesh(mesh) => mesh.surface_point(hit.primitive, Vec2::new(hit.u, hit.v)),
-            Self::Sphere(sphere) => sphere.surface_point(ray, hit.t),
-            Self::Disk(disk) => disk.surface_point(Vec2::new(hit.u, hit.v)),
-            Self::Cylinder(cylinder) => cylinder.surface_point(Vec2::new(hit.u, hit.v)),
-            Self::RevSurface(surface) => surface.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v)),
-            Self::LinearCurve(curve) => curve.surface_point(hit.primitive, ray, hit.t),
-            Self::BSplineCurve(curve) => curve.surface_point(hit.primitive, ray, (hit.t, hit.u)),
-            Self::SdfGrid(grid) => grid.surface_point(hit.primitive, ray, hit.t),
-            Self::Ellipsoids(cloud) => cloud.surface_point(hit.primitive, ray),
-            Self::EllipsoidsMesh(cloud) => {
-                cloud.surface_point(hit.primitive, Vec2::new(hit.u, hit.v))
-            }
-        }
+        with_shape!(self, shape => ShapeModel::primitive_boxes(shape))
     }
 
     /// How many triangles or other primitives there are.
     #[must_use]
     pub fn primitive_count(&self) -> usize {
-        match self {
-            Self::Mesh(mesh) => mesh.triangles().len(),
-            Self::LinearCurve(curve) => curve.segment_count(),
-            Self::BSplineCurve(curve) => curve.segment_count(),
-            Self::SdfGrid(grid) => grid.voxel_count(),
-            Self::Ellipsoids(cloud) => cloud.count(),
-            Self::EllipsoidsMesh(cloud) => cloud.triangle_count(),
-            _ => 1,
-        }
+        with_shape!(self, shape => ShapeModel::primitive_count(shape))
+    }
+
+    /// Where `ray` meets a primitive that the shape intersects itself.
+    #[inline]
+    pub(crate) fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        with_shape!(self, shape => ShapeModel::intersect(shape, primitive, ray))
+    }
+
+    /// Whether `ray` meets a primitive that the shape intersects itself.
+    #[inline]
+    pub(crate) fn occludes(&self, primitive: u32, ray: &Ray) -> bool {
+        with_shape!(self, shape => ShapeModel::occludes(shape, primitive, ray))
+    }
+
+    /// Where `ray` arrives.
+    #[inline(never)]
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        with_shape!(self, shape => ShapeModel::surface_point(shape, ray, hit))
+    }
+
+    /// Bytes of memory held beside the geometry itself.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        with_shape!(self, shape => ShapeModel::memory_bytes(shape))
     }
 }
 
@@ -271,39 +446,16 @@ impl Shape {
         self.geometry.bounds()
     }
 
-    /// The area of the surface; zero for curves, distances on a grid and clouds
-    /// of ellipsoids, which are not sampled as lights.
+    /// The area of the surface; zero for shapes that are not sampled as lights.
     #[must_use]
     pub fn area(&self) -> f32 {
-        match &self.geometry {
-            Geometry::Mesh(mesh) => mesh.area(),
-            Geometry::Sphere(sphere) => sphere.area(),
-            Geometry::Disk(disk) => disk.area(),
-            Geometry::Cylinder(cylinder) => cylinder.area(),
-            Geometry::RevSurface(surface) => surface.area(),
-            Geometry::LinearCurve(_)
-            | Geometry::BSplineCurve(_)
-            | Geometry::SdfGrid(_)
-            | Geometry::Ellipsoids(_)
-            | Geometry::EllipsoidsMesh(_) => 0.0,
-        }
+        with_shape!(&self.geometry, shape => ShapeModel::area(shape))
     }
 
     /// A point uniform in area.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
-        match &self.geometry {
-            Geometry::Mesh(mesh) => mesh.sample_area(random),
-            Geometry::Sphere(sphere) => Some(sphere.sample_area(random)),
-            Geometry::Disk(disk) => Some(disk.sample_area(random)),
-            Geometry::Cylinder(cylinder) => Some(cylinder.sample_area(random)),
-            Geometry::RevSurface(surface) => surface.sample_area(random),
-            Geometry::LinearCurve(_)
-            | Geometry::BSplineCurve(_)
-            | Geometry::SdfGrid(_)
-            | Geometry::Ellipsoids(_)
-            | Geometry::EllipsoidsMesh(_) => None,
-        }
+        with_shape!(&self.geometry, shape => ShapeModel::sample_area(shape, random))
     }
 
     /// A point of the surface as seen from `reference`, with its density in solid angle there.
@@ -321,10 +473,7 @@ impl Shape {
 
     #[inline(never)]
     fn sample_any_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
-        match &self.geometry {
-            Geometry::Sphere(sphere) => sphere.sample_direction(reference, random),
-            _ => self.sample_area(random)?.seen_from(reference),
-        }
+        with_shape!(&self.geometry, shape => ShapeModel::sample_direction(shape, reference, random))
     }
 
     /// The density in solid angle with which [`Self::sample_direction`] chooses a point of the
@@ -332,22 +481,7 @@ impl Shape {
     #[inline]
     #[must_use]
     pub fn pdf_direction(&self, reference: Vec3, surface: &SurfaceInteraction) -> f32 {
-        match &self.geometry {
-            Geometry::Sphere(sphere) => {
-                sphere.pdf_direction(reference, surface.point, surface.normal)
-            }
-            geometry => {
-                let pdf = match geometry {
-                    Geometry::Mesh(mesh) => mesh.pdf_area(surface),
-                    Geometry::RevSurface(shape) => {
-                        shape.pdf_area(surface.uv.y, surface.dp_du, surface.dp_dv)
-                    }
-                    _ => 1.0 / self.area(),
-                };
-                let path = surface.point - reference;
-                area_to_solid_angle(pdf, path, surface.normal).unwrap_or(0.0)
-            }
-        }
+        with_shape!(&self.geometry, shape => ShapeModel::pdf_direction(shape, reference, surface))
     }
 
     /// How many triangles or other primitives the shape has.

@@ -14,62 +14,115 @@ pub mod rawconstant;
 pub mod scale;
 pub mod volume;
 
+use crate::builder::Builder;
 use crate::ids::TextureId;
 use crate::interaction::SurfaceInteraction;
 use crate::models::texels::Texels;
+use crate::plugin::{Plugin, plugin};
 use crate::volume::gridvolume::GridVolume;
+use etendue_document::Parameters;
 use etendue_spectrum::Spectrum;
 use glam::Vec2;
 use std::sync::Arc;
 
-/// A texture of the scene.
-#[derive(Clone, Debug)]
-pub enum Texture {
-    /// The same everywhere.
-    Constant(Spectrum),
-    /// An image.
-    Bitmap(bitmap::BitmapTexture),
-    /// Two colours in squares.
-    Checkerboard(checkerboard::Checkerboard),
-    /// What a mesh file says of its vertices or faces.
-    MeshAttribute(mesh_attribute::MeshAttribute),
-    /// Lines along the edges of squares.
-    Grid(gridtexture::GridTexture),
-    /// Another texture, times a colour.
-    Scale(scale::Scale),
-    /// A volume, seen where a surface cuts it.
-    Volume(volume::VolumeTexture),
+/// The list of textures: one line is one plugin, its XML `type`, which is its module as well, and what
+/// the scene holds of it, which is a [`TextureModel`].
+macro_rules! texture_list {
+    ($macro:ident) => {
+        $macro! {
+            bitmap => Bitmap(bitmap::BitmapTexture);
+            checkerboard => Checkerboard(checkerboard::Checkerboard);
+            gridtexture => Grid(gridtexture::GridTexture);
+            mesh_attribute => MeshAttribute(mesh_attribute::MeshAttribute);
+            rawconstant => Constant(Spectrum);
+            scale => Scale(scale::Scale);
+            volume => Volume(volume::VolumeTexture);
+        }
+    };
 }
+
+/// What a texture plugin computes; see the module's contract.
+pub(crate) trait TextureModel {
+    /// See [`Textures::eval`].
+    fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum;
+
+    /// See [`Textures::eval_scalar`]; the luminance of the colour unless there is only one channel.
+    fn eval_scalar(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        self.eval(textures, surface).luminance()
+    }
+
+    /// See [`Textures::gradient`]; zero where the texture is constant around nearly all points.
+    fn gradient(&self, _textures: Textures<'_>, _surface: &SurfaceInteraction) -> Vec2 {
+        Vec2::ZERO
+    }
+
+    /// See [`Textures::mean`].
+    fn mean(&self, textures: Textures<'_>) -> Spectrum;
+
+    /// See [`Texture::memory_bytes`].
+    fn memory_bytes(&self) -> usize {
+        0
+    }
+
+    /// The texels of the picture that the texture shows, if it shows one.
+    fn texels(&self) -> Option<&Arc<Texels>> {
+        None
+    }
+
+    /// The grid that the texture shows, if it shows one.
+    fn grid(&self) -> Option<&Arc<GridVolume>> {
+        None
+    }
+}
+
+/// Makes the enum of textures, its dispatch and the registry from the list.
+macro_rules! textures {
+    ($($module:ident => $name:ident($type:ty);)*) => {
+        /// A texture of the scene.
+        #[derive(Clone, Debug)]
+        pub enum Texture {
+            $(#[doc = concat!("See [`", stringify!($module), "`].")] $name($type),)*
+        }
+
+        /// Every texture.
+        pub static TEXTURES: &[Plugin<BuildTexture>] = &[
+            $(plugin(stringify!($module), &$module::MANUAL, |builder, parameters| {
+                $module::build(builder, parameters).map(Texture::$name)
+            }),)*
+        ];
+
+        /// Runs `$work` with the [`TextureModel`] of a texture.
+        macro_rules! with_texture {
+            ($texture:expr, $model:ident => $work:expr) => {
+                match $texture {
+                    $(Texture::$name($model) => $work,)*
+                }
+            };
+        }
+    };
+}
+
+texture_list!(textures);
+
+/// Builds a texture.
+pub type BuildTexture = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Texture>;
 
 impl Texture {
     /// Bytes of memory held beside the texture itself, but for a picture's texels and a volume's grid,
     /// which others may hold as well.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        match self {
-            Self::Constant(_)
-            | Self::Bitmap(_)
-            | Self::Checkerboard(_)
-            | Self::Grid(_)
-            | Self::Scale(_)
-            | Self::Volume(_) => 0,
-            Self::MeshAttribute(texture) => texture.memory_bytes(),
-        }
+        with_texture!(self, texture => TextureModel::memory_bytes(texture))
     }
 
     /// The texels of the picture that the texture shows, if it shows one.
     pub(crate) fn texels(&self) -> Option<&Arc<Texels>> {
-        match self {
-            Self::Bitmap(texture) => Some(texture.texels()),
-            _ => None,
-        }
+        with_texture!(self, texture => TextureModel::texels(texture))
     }
 
     /// Adds the grid that the texture shows, if it shows one.
     pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
-        if let Self::Volume(texture) = self {
-            grids.extend(texture.volume().grid());
-        }
+        grids.extend(with_texture!(self, texture => TextureModel::grid(texture)));
     }
 }
 
@@ -81,58 +134,28 @@ impl Textures<'_> {
     /// The colour at a surface point.
     #[must_use]
     pub fn eval(&self, id: TextureId, surface: &SurfaceInteraction) -> Spectrum {
-        match &self.0[id.index()] {
-            Texture::Constant(color) => *color,
-            Texture::Bitmap(texture) => texture.eval(surface.uv),
-            Texture::Checkerboard(texture) => texture.eval(*self, surface),
-            Texture::MeshAttribute(texture) => texture.eval(surface),
-            Texture::Grid(texture) => texture.eval(*self, surface),
-            Texture::Scale(texture) => texture.eval(*self, surface),
-            Texture::Volume(texture) => texture.eval(surface.point),
-        }
+        with_texture!(&self.0[id.index()], texture => TextureModel::eval(texture, *self, surface))
     }
 
     /// The scalar at a surface point: the only channel, or the luminance of a colour.
     #[must_use]
     pub fn eval_scalar(&self, id: TextureId, surface: &SurfaceInteraction) -> f32 {
-        match &self.0[id.index()] {
-            Texture::Constant(color) => color.luminance(),
-            Texture::Bitmap(texture) => texture.eval_scalar(surface.uv),
-            Texture::Checkerboard(texture) => texture.eval_scalar(*self, surface),
-            Texture::MeshAttribute(texture) => texture.eval(surface).luminance(),
-            Texture::Grid(texture) => texture.eval(*self, surface).luminance(),
-            Texture::Scale(texture) => texture.eval_scalar(*self, surface),
-            Texture::Volume(texture) => texture.eval_scalar(surface.point),
-        }
+        let texture = &self.0[id.index()];
+        with_texture!(texture, texture => TextureModel::eval_scalar(texture, *self, surface))
     }
 
     /// The derivatives of the scalar by `u` and `v` at a surface point; zero where the texture is
     /// constant around it.
     #[must_use]
     pub fn gradient(&self, id: TextureId, surface: &SurfaceInteraction) -> Vec2 {
-        match &self.0[id.index()] {
-            Texture::Constant(_)
-            | Texture::Checkerboard(_)
-            | Texture::MeshAttribute(_)
-            | Texture::Grid(_)
-            | Texture::Volume(_) => Vec2::ZERO,
-            Texture::Scale(texture) => texture.gradient(*self, surface),
-            Texture::Bitmap(texture) => texture.gradient(surface.uv),
-        }
+        let texture = &self.0[id.index()];
+        with_texture!(texture, texture => TextureModel::gradient(texture, *self, surface))
     }
 
     /// The mean colour over the unit square of `uv`.
     #[must_use]
     pub fn mean(&self, id: TextureId) -> Spectrum {
-        match &self.0[id.index()] {
-            Texture::Constant(color) => *color,
-            Texture::Bitmap(texture) => texture.mean(),
-            Texture::Checkerboard(texture) => texture.mean(*self),
-            Texture::MeshAttribute(texture) => texture.mean(),
-            Texture::Grid(texture) => texture.mean(*self),
-            Texture::Scale(texture) => texture.mean(*self),
-            Texture::Volume(texture) => texture.mean(),
-        }
+        with_texture!(&self.0[id.index()], texture => TextureModel::mean(texture, *self))
     }
 }
 

@@ -1,20 +1,16 @@
 //! The closures of several hits, one to a lane.
 
-use super::materials::{COLUMNS, LaneKind, LaneMaterial, transfer};
-use crate::bsdf::conductor::ConductorClosure;
-use crate::bsdf::dielectric::DielectricClosure;
-use crate::bsdf::diffuse::DiffuseClosure;
-use crate::bsdf::plastic::PlasticClosure;
-use crate::bsdf::roughconductor::RoughConductorClosure;
-use crate::bsdf::roughdielectric::RoughDielectricClosure;
-use crate::bsdf::roughplastic::RoughPlasticClosure;
-use crate::bsdf::thindielectric::ThinDielectricClosure;
-use crate::bsdf::{Material, Materials, Transport};
+#[cfg(test)]
+mod tests;
+
+use super::materials::{BatchMaterial, COLUMNS, LaneKind, Materials, coat, transfer};
+use crate::bsdf::{self, LaneMaterial, bsdf_list};
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{LaneClosure as _, SampleLanes, Transfer};
+use crate::lanes::{Columns as _, LaneClosure as _, SampleLanes, Transfer};
 use crate::models::coat::{CoatLanes, CoatTable};
-use crate::models::microfacet::Distribution;
+use crate::models::microfacet::Distribution::{Beckmann, Ggx};
+use crate::scattering::Transport;
 use crate::texture::Textures;
 use etendue_math::lanes::{LaneArray, LaneMask, Lanes, MAX_LANES, Real, Simd, Vector2, Vector3};
 use etendue_spectrum::SpectrumLanes;
@@ -46,40 +42,31 @@ enum SharedCoat<'a> {
     Many,
 }
 
-/// A closure in as many lanes as the machine has, loaded from the columns of `$lanes`.
-macro_rules! with_closure {
-    ($lanes:expr, $simd:expr, $first:expr, $closure:ident => $work:expr) => {{
-        let (columns, coats) = (&$lanes.columns, &$lanes.coats);
-        let mut numbers = FromLanes { columns, simd: $simd, first: $first, count: 0 };
-        let shared = match $lanes.shared_coat {
-            SharedCoat::One(coat) => Some(coat),
-            SharedCoat::Unset | SharedCoat::Many => None,
-        };
-        let coats = CoatLanes { simd: $simd, shared, tables: coats, first: $first };
-        with_closure!(@match $lanes.kind, numbers, $closure => $work,
-            Diffuse: DiffuseClosure::default(), ();
-            Plastic: PlasticClosure::default(), ();
-            RoughPlasticBeckmann: RoughPlasticClosure::black(Distribution::Beckmann), (coats);
-            RoughPlasticGgx: RoughPlasticClosure::black(Distribution::Ggx), (coats);
-            Conductor: ConductorClosure::default(), ();
-            RoughConductorBeckmann: RoughConductorClosure::black(Distribution::Beckmann), ();
-            RoughConductorGgx: RoughConductorClosure::black(Distribution::Ggx), ();
-            Dielectric: DielectricClosure::default(), ();
-            ThinDielectric: ThinDielectricClosure::default(), ();
-            RoughDielectricBeckmann: RoughDielectricClosure::black(Distribution::Beckmann), ();
-            RoughDielectricGgx: RoughDielectricClosure::black(Distribution::Ggx), ();
-        )
-    }};
-    (@match $kind:expr, $numbers:ident, $closure:ident => $work:expr,
-        $($name:ident: $blank:expr, ($($coats:ident)?);)*) => {
-        match $kind {
-            $(LaneKind::$name => {
-                let $closure = $blank.transfer(&mut $numbers $(, $coats)?);
-                $work
-            })*
+/// Makes `with_closure!` from the list of BSDFs: it computes `$work` with the closure of the kind that
+/// `$lanes` holds, loaded into as many lanes as the machine has.
+macro_rules! closure_dispatch {
+    (
+        batched { $($module:ident => $name:ident [$($kind:ident: $variant:expr),*];)* }
+        single $single:tt
+        wrappers $wrappers:tt
+        aliases $aliases:tt
+    ) => {
+        macro_rules! with_closure {
+            ($lanes:expr, $simd:expr, $first:expr, $closure:ident => $work:expr) => {{
+                let mut numbers = FromLanes { lanes: $lanes, simd: $simd, first: $first, count: 0 };
+                match $lanes.kind {
+                    $($(LaneKind::$kind => {
+                        let blank = <bsdf::$module::$name as LaneMaterial>::blank($variant);
+                        let $closure = blank.transfer(&mut numbers);
+                        $work
+                    })*)*
+                }
+            }};
         }
     };
 }
+
+bsdf_list!(closure_dispatch);
 
 impl<'a> ClosureLanes<'a> {
     /// No closures yet.
@@ -125,18 +112,20 @@ impl<'a> ClosureLanes<'a> {
 
     /// What of a lane does not depend on textures.
     #[inline(always)]
-    fn place(&mut self, lane: usize, materials: Materials<'a>, id: MaterialId) -> &'a LaneMaterial {
-        let material = &materials.lanes[id.index()];
+    fn place(
+        &mut self,
+        lane: usize,
+        materials: Materials<'a>,
+        id: MaterialId,
+    ) -> &'a BatchMaterial {
+        let material = &materials.batch[id.index()];
         self.two_sided |= u32::from(material.is_two_sided) << lane;
-        let is_coated =
-            matches!(self.kind, LaneKind::RoughPlasticBeckmann | LaneKind::RoughPlasticGgx);
-        if is_coated
-            && let Material::RoughPlastic(coated) = &materials.materials[material.leaf.index()]
-        {
-            self.coats[lane] = coated.coat();
+        if self.kind.has_coat() {
+            let coat = coat(&materials.materials[material.leaf.index()]);
+            self.coats[lane] = coat;
             self.shared_coat = match self.shared_coat {
-                SharedCoat::Unset => SharedCoat::One(coated.coat()),
-                SharedCoat::One(coat) if std::ptr::eq(coat, coated.coat()) => self.shared_coat,
+                SharedCoat::Unset => SharedCoat::One(coat),
+                SharedCoat::One(shared) if std::ptr::eq(shared, coat) => self.shared_coat,
                 SharedCoat::One(_) | SharedCoat::Many => SharedCoat::Many,
             };
         }
@@ -203,6 +192,11 @@ struct ToLane<'a> {
 }
 
 impl Transfer<f32, f32> for ToLane<'_> {
+    type Coat = ();
+
+    #[inline(always)]
+    fn coat(&self) {}
+
     #[inline(always)]
     fn number(&mut self, number: f32) -> f32 {
         self.columns[self.count].0[self.lane] = number;
@@ -213,17 +207,28 @@ impl Transfer<f32, f32> for ToLane<'_> {
 
 /// The numbers of closures on their way out of the lanes from `first` on.
 struct FromLanes<'a, S> {
-    columns: &'a [LaneArray; COLUMNS],
+    lanes: &'a ClosureLanes<'a>,
     simd: S,
     first: usize,
     count: usize,
 }
 
-impl<S: Simd> Transfer<f32, Lanes<S>> for FromLanes<'_, S> {
+impl<'a, S: Simd> Transfer<f32, Lanes<S>> for FromLanes<'a, S> {
+    type Coat = CoatLanes<'a, S>;
+
     #[inline(always)]
     fn number(&mut self, _number: f32) -> Lanes<S> {
-        let column = &self.columns[self.count];
+        let column = &self.lanes.columns[self.count];
         self.count += 1;
         Lanes::load(self.simd, column, self.first)
+    }
+
+    #[inline(always)]
+    fn coat(&self) -> CoatLanes<'a, S> {
+        let shared = match self.lanes.shared_coat {
+            SharedCoat::One(coat) => Some(coat),
+            SharedCoat::Unset | SharedCoat::Many => None,
+        };
+        CoatLanes { simd: self.simd, shared, tables: &self.lanes.coats, first: self.first }
     }
 }

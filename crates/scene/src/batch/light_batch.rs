@@ -8,13 +8,13 @@ use glam::{Vec2, Vec3};
 
 /// Where light is asked for, and with what random numbers.
 #[derive(Default)]
-pub(super) struct Places {
-    pub(super) reference: [LaneArray; 3],
-    pub(super) random: [LaneArray; 2],
+pub(crate) struct Places {
+    pub(crate) reference: [LaneArray; 3],
+    pub(crate) random: [LaneArray; 2],
 }
 
 impl Places {
-    pub(super) fn lane(&self, lane: usize) -> (Vec3, Vec2) {
+    pub(crate) fn lane(&self, lane: usize) -> (Vec3, Vec2) {
         (
             Vector3::take(&self.reference, lane).into(),
             self.random.each_ref().map(|column| column.0[lane]).into(),
@@ -24,7 +24,7 @@ impl Places {
 
 /// [`LightLanes`] in memory; at first no light at all.
 #[derive(Default)]
-pub(super) struct LightBatch {
+pub(crate) struct LightBatch {
     direction: [LaneArray; 3],
     radiance: [LaneArray; Spectrum::LANES],
     pdf: LaneArray,
@@ -39,7 +39,7 @@ pub(super) struct LightBatch {
 
 impl LightBatch {
     #[inline(always)]
-    pub(super) fn store<S: Simd>(&mut self, light: &LightLanes<Lanes<S>>) {
+    pub(crate) fn store<S: Simd>(&mut self, light: &LightLanes<Lanes<S>>) {
         light.direction.store(&mut self.direction, 0);
         light.radiance.store(&mut self.radiance, 0);
         light.pdf.store(&mut self.pdf, 0);
@@ -52,7 +52,7 @@ impl LightBatch {
     }
 
     #[inline(always)]
-    pub(super) fn load<S: Simd>(&self, simd: S) -> LightLanes<Lanes<S>> {
+    pub(crate) fn load<S: Simd>(&self, simd: S) -> LightLanes<Lanes<S>> {
         LightLanes {
             direction: Vector3::load(simd, &self.direction, 0),
             radiance: SpectrumLanes::load(simd, &self.radiance, 0),
@@ -69,7 +69,7 @@ impl LightBatch {
     }
 
     /// Puts light in a lane that has none yet.
-    pub(super) fn set(&mut self, lane: usize, light: &DirectionSample) {
+    pub(crate) fn set(&mut self, lane: usize, light: &DirectionSample) {
         Vector3::from(light.direction).put(&mut self.direction, lane);
         SpectrumLanes::from(light.radiance).put(&mut self.radiance, lane);
         self.pdf.0[lane] = light.pdf;

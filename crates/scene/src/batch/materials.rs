@@ -1,127 +1,148 @@
-//! What lanes know of materials: of which kind their closures are, and their numbers.
+//! What batches know of materials: of which kind their closures are, and their numbers.
 
-use crate::bsdf::{Material, Materials};
+use crate::bsdf::{self, Bsdf, ClosureMaterial, Gather, LaneMaterial, Material, bsdf_list};
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::Transfer;
-use crate::models::microfacet::Distribution;
+use crate::lanes::{Columns, Transfer};
+use crate::models::coat::CoatTable;
+use crate::models::microfacet::Distribution::{Beckmann, Ggx};
 use crate::texture::Textures;
 use etendue_math::Frame;
 use glam::{Vec2, Vec3};
 
-/// The kinds of closures that lanes can hold. Within a kind there are no branches on parameters.
-/// Those with microfacets sample their visible normals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LaneKind {
-    /// Lambertian reflection.
-    Diffuse,
-    /// A smooth coating over a diffuse base.
-    Plastic,
-    /// A rough coating of Beckmann's normals over a diffuse base.
-    RoughPlasticBeckmann,
-    /// A rough coating of GGX normals over a diffuse base.
-    RoughPlasticGgx,
-    /// A smooth metal.
-    Conductor,
-    /// A rough metal of Beckmann's normals.
-    RoughConductorBeckmann,
-    /// A rough metal of GGX normals.
-    RoughConductorGgx,
-    /// Smooth glass.
-    Dielectric,
-    /// A thin pane of glass.
-    ThinDielectric,
-    /// Frosted glass of Beckmann's normals.
-    RoughDielectricBeckmann,
-    /// Frosted glass of GGX normals.
-    RoughDielectricGgx,
+/// Makes [`LaneKind`], and all that depends on the kind of a closure, from the list of BSDFs.
+macro_rules! lane_kinds {
+    (
+        batched { $($module:ident => $name:ident [$($kind:ident: $variant:expr),*];)* }
+        single { $($_single_module:ident => $single:ident;)* }
+        wrappers { $($_wrapper_module:ident => $wrapper:ident;)* }
+        aliases $aliases:tt
+    ) => {
+        /// The kinds of closures that lanes can hold. Within a kind there are no branches on
+        /// parameters. Those with microfacets sample their visible normals.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum LaneKind {
+            $($(
+                #[doc = concat!("Closures of [`", stringify!($module), "`](bsdf::", stringify!($module), ").")]
+                $kind,
+            )*)*
+        }
+
+        impl LaneKind {
+            /// How many there are.
+            pub const COUNT: usize = [$($(Self::$kind),*),*].len();
+
+            /// All kinds, each at its [`index`](Self::index).
+            pub const ALL: [Self; Self::COUNT] = [$($(Self::$kind),*),*];
+
+            /// Whether any lobe is smooth, so that next-event estimation can find light.
+            #[inline(always)]
+            #[must_use]
+            pub fn has_smooth_lobe(self) -> bool {
+                match self {
+                    $($(Self::$kind)|* => !<bsdf::$module::$name as ClosureMaterial>::IS_DELTA,)*
+                }
+            }
+
+            /// How many numbers a closure consists of.
+            #[inline(always)]
+            pub(super) const fn columns(self) -> usize {
+                match self {
+                    $($(Self::$kind)|* => columns_of::<bsdf::$module::$name>(),)*
+                }
+            }
+
+            /// Whether closures look up what a rough coat lets through.
+            #[inline(always)]
+            pub(super) fn has_coat(self) -> bool {
+                match self {
+                    $($(Self::$kind)|* => <bsdf::$module::$name as LaneMaterial>::HAS_COAT,)*
+                }
+            }
+
+            /// The kind of a material's closures; `None` where lanes cannot hold them.
+            fn of(material: &Material) -> Option<Self> {
+                match material {
+                    $(Material::$name(material) => {
+                        let variant = material.variant()?;
+                        [$((Self::$kind, $variant)),*]
+                            .into_iter()
+                            .find_map(|(kind, of_kind)| (of_kind == variant).then_some(kind))
+                    })*
+                    $(Material::$single(_) => None,)*
+                    $(Material::$wrapper(_) => None,)*
+                }
+            }
+        }
+
+        /// Whether a material that lanes can hold reads no textures.
+        fn is_uniform(material: &Material) -> bool {
+            match material {
+                $(Material::$name(material) => material.is_uniform(),)*
+                $(Material::$single(_) => false,)*
+                $(Material::$wrapper(_) => false,)*
+            }
+        }
+
+        /// What a material that lanes can hold lets through, if it is a rough coat.
+        #[inline(always)]
+        pub(super) fn coat(material: &Material) -> &CoatTable {
+            match material {
+                $(Material::$name(material) => LaneMaterial::coat(material),)*
+                $(Material::$single(_) => &CoatTable::BLACK,)*
+                $(Material::$wrapper(_) => &CoatTable::BLACK,)*
+            }
+        }
+
+        /// Resolves a material that lanes can hold at a hit, and shows the numbers of its closure.
+        #[inline(always)]
+        pub(super) fn transfer(
+            material: &Material,
+            textures: Textures<'_>,
+            surface: &SurfaceInteraction,
+            numbers: &mut impl Transfer<f32, f32, Coat = ()>,
+        ) {
+            match material {
+                $(Material::$name(material) => {
+                    material.resolve(textures, surface).transfer(numbers);
+                })*
+                $(Material::$single(_) => {})*
+                $(Material::$wrapper(_) => {})*
+            }
+        }
+    };
 }
 
+bsdf_list!(lane_kinds);
+
 impl LaneKind {
-    /// All kinds, each at its [`index`](Self::index).
-    pub const ALL: [Self; 11] = [
-        Self::Diffuse,
-        Self::Plastic,
-        Self::RoughPlasticBeckmann,
-        Self::RoughPlasticGgx,
-        Self::Conductor,
-        Self::RoughConductorBeckmann,
-        Self::RoughConductorGgx,
-        Self::Dielectric,
-        Self::ThinDielectric,
-        Self::RoughDielectricBeckmann,
-        Self::RoughDielectricGgx,
-    ];
-
-    /// How many there are.
-    pub const COUNT: usize = Self::ALL.len();
-
     /// The place among all kinds.
     #[inline(always)]
     #[must_use]
     pub fn index(self) -> usize {
         self as usize
     }
+}
 
-    /// Whether any lobe is smooth, so that next-event estimation can find light.
-    #[inline(always)]
-    #[must_use]
-    pub fn has_smooth_lobe(self) -> bool {
-        !matches!(self, Self::Conductor | Self::Dielectric | Self::ThinDielectric)
-    }
-
-    /// How many numbers a closure consists of.
-    #[inline(always)]
-    pub(crate) fn columns(self) -> usize {
-        match self {
-            Self::Diffuse => 3,
-            Self::Dielectric | Self::ThinDielectric => 7,
-            Self::Conductor | Self::RoughDielectricBeckmann | Self::RoughDielectricGgx => 9,
-            Self::Plastic | Self::RoughConductorBeckmann | Self::RoughConductorGgx => 11,
-            Self::RoughPlasticBeckmann | Self::RoughPlasticGgx => 12,
-        }
-    }
-
-    /// The kind of a material's closures; `None` where lanes cannot hold them.
-    fn of(material: &Material) -> Option<Self> {
-        let by_distribution = |distribution: Option<Distribution>, beckmann: Self, ggx: Self| {
-            distribution.map(|distribution| match distribution {
-                Distribution::Beckmann => beckmann,
-                Distribution::Ggx => ggx,
-            })
-        };
-        match material {
-            Material::Diffuse(_) => Some(Self::Diffuse),
-            Material::Plastic(_) => Some(Self::Plastic),
-            Material::Conductor(_) => Some(Self::Conductor),
-            Material::Dielectric(_) => Some(Self::Dielectric),
-            Material::ThinDielectric(_) => Some(Self::ThinDielectric),
-            Material::RoughPlastic(material) => by_distribution(
-                material.visible_distribution(),
-                Self::RoughPlasticBeckmann,
-                Self::RoughPlasticGgx,
-            ),
-            Material::RoughConductor(material) => by_distribution(
-                material.visible_distribution(),
-                Self::RoughConductorBeckmann,
-                Self::RoughConductorGgx,
-            ),
-            Material::RoughDielectric(material) => by_distribution(
-                material.visible_distribution(),
-                Self::RoughDielectricBeckmann,
-                Self::RoughDielectricGgx,
-            ),
-            _ => None,
-        }
-    }
+/// How many numbers a closure of a material consists of.
+const fn columns_of<M: LaneMaterial>() -> usize {
+    <M::Blank as Columns<f32>>::COUNT
 }
 
 /// The most numbers that a closure consists of.
-pub(crate) const COLUMNS: usize = 12;
+pub(super) const COLUMNS: usize = {
+    let (mut most, mut index) = (0, 0);
+    while index < LaneKind::COUNT {
+        let columns = LaneKind::ALL[index].columns();
+        most = if columns > most { columns } else { most };
+        index += 1;
+    }
+    most
+};
 
-/// What lanes know of a material, whatever the hit.
+/// What batches know of a material, whatever the hit.
 #[derive(Clone, Copy, Debug)]
-pub struct LaneMaterial {
+pub(crate) struct BatchMaterial {
     kind: Option<LaneKind>,
     /// The material itself, or the one that `twosided` puts on both sides.
     pub(crate) leaf: MaterialId,
@@ -130,7 +151,7 @@ pub struct LaneMaterial {
     pub(crate) uniform: Option<[f32; COLUMNS]>,
 }
 
-impl LaneMaterial {
+impl BatchMaterial {
     /// Looks at all materials of a scene.
     pub(crate) fn of_all(materials: &[Material]) -> Vec<Self> {
         let ids = 0..materials.len() as u32;
@@ -155,51 +176,6 @@ impl LaneMaterial {
     }
 }
 
-/// Whether a material that lanes can hold reads no textures.
-fn is_uniform(material: &Material) -> bool {
-    match material {
-        Material::Diffuse(material) => material.is_uniform(),
-        Material::Plastic(material) => material.is_uniform(),
-        Material::RoughPlastic(material) => material.is_uniform(),
-        Material::Conductor(material) => material.is_uniform(),
-        Material::RoughConductor(material) => material.is_uniform(),
-        Material::Dielectric(material) => material.is_uniform(),
-        Material::ThinDielectric(material) => material.is_uniform(),
-        Material::RoughDielectric(material) => material.is_uniform(),
-        _ => false,
-    }
-}
-
-/// Resolves a material at a hit and shows the numbers of its closure.
-#[inline(always)]
-pub(crate) fn transfer(
-    material: &Material,
-    textures: Textures<'_>,
-    surface: &SurfaceInteraction,
-    numbers: &mut impl Transfer<f32, f32>,
-) {
-    macro_rules! transfer {
-        ($($kind:ident $(with $coat:expr)?),*) => {
-            match material {
-                $(Material::$kind(material) => {
-                    material.resolve(textures, surface).transfer(numbers $(, $coat)?);
-                })*
-                _ => {}
-            }
-        };
-    }
-    transfer!(
-        Diffuse,
-        Plastic,
-        RoughPlastic with (),
-        Conductor,
-        RoughConductor,
-        Dielectric,
-        ThinDielectric,
-        RoughDielectric
-    );
-}
-
 /// The numbers of a closure, one after the other.
 struct Numbers {
     numbers: [f32; COLUMNS],
@@ -207,6 +183,10 @@ struct Numbers {
 }
 
 impl Transfer<f32, f32> for Numbers {
+    type Coat = ();
+
+    fn coat(&self) {}
+
     fn number(&mut self, number: f32) -> f32 {
         self.numbers[self.count] = number;
         self.count += 1;
@@ -214,26 +194,47 @@ impl Transfer<f32, f32> for Numbers {
     }
 }
 
-impl Materials<'_> {
+/// All materials of a scene, addressed by [`MaterialId`].
+#[derive(Clone, Copy, Debug)]
+pub struct Materials<'a> {
+    /// The materials.
+    pub materials: &'a [Material],
+    /// What batches know of each.
+    pub(crate) batch: &'a [BatchMaterial],
+}
+
+impl<'a> Materials<'a> {
+    /// Resolves a material at a hit: every texture is read here, and nowhere else.
+    #[inline]
+    #[must_use]
+    pub fn prepare(
+        &self,
+        id: MaterialId,
+        textures: Textures<'a>,
+        surface: &SurfaceInteraction,
+    ) -> Bsdf<'a> {
+        Gather { materials: self.materials, textures, surface }.prepare(id)
+    }
+
     /// The kind of closure that a material is, or has on both its sides; `None` where lanes cannot
     /// hold it.
     #[inline(always)]
     #[must_use]
     pub fn lane_kind(&self, id: MaterialId) -> Option<LaneKind> {
-        self.lanes[id.index()].kind
+        self.batch[id.index()].kind
     }
 
     /// Whether a material that lanes can hold is the same from both sides.
     #[inline(always)]
     #[must_use]
     pub fn is_two_sided(&self, id: MaterialId) -> bool {
-        self.lanes[id.index()].is_two_sided
+        self.batch[id.index()].is_two_sided
     }
 
     /// Whether a material that lanes can hold is the same everywhere: it has no textures.
     #[inline(always)]
     #[must_use]
     pub fn is_uniform(&self, id: MaterialId) -> bool {
-        self.lanes[id.index()].uniform.is_some()
+        self.batch[id.index()].uniform.is_some()
     }
 }

@@ -1,6 +1,6 @@
 //! `blendbsdf`: a mixture of two materials.
 
-use super::{Bsdf, Gather, Placement};
+use super::{Bsdf, Gather, Placement, WrapperMaterial};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
@@ -42,13 +42,17 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
     Some(BlendBsdf { weight, nested: [nested[0], nested[1]] })
 }
 
-impl BlendBsdf {
+impl WrapperMaterial for BlendBsdf {
+    fn transmits(&self, nested: &dyn Fn(MaterialId) -> bool) -> bool {
+        self.nested.iter().any(|&id| nested(id))
+    }
+
     /// Adds the closures of both materials with their shares.
-    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+    fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
         let weight = limited(self.weight.eval(gather.textures, gather.surface), 0.0, 1.0);
         for (nested, share) in self.nested.into_iter().zip([1.0 - weight, weight]) {
             if share > 0.0 {
-                gather.materials.gather(nested, gather, placement.scaled(share), bsdf);
+                gather.add(nested, placement.scaled(share), bsdf);
             }
         }
     }

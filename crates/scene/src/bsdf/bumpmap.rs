@@ -1,7 +1,7 @@
 //! `bumpmap`: a material on a surface whose normals follow a height map.
 
 use super::normalmap::{FLIP_INVALID_NORMALS, Perturbation, USE_SHADOWING_FUNCTION};
-use super::{Bsdf, Gather, Placement};
+use super::{Bsdf, Gather, Placement, WrapperMaterial};
 use crate::builder::Builder;
 use crate::ids::{MaterialId, TextureId};
 use crate::manual::{Manual, parameter};
@@ -56,14 +56,20 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
     Some(BumpMap { height: height?, scale, perturbation, nested: nested?[0] })
 }
 
-impl BumpMap {
-    /// Adds the nested closures in the tilted frame.
-    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
-        let normal = self.normal(gather, &placement);
-        let placement = self.perturbation.place(normal, gather.surface.wi, placement);
-        gather.materials.gather(self.nested, gather, placement, bsdf);
+impl WrapperMaterial for BumpMap {
+    fn transmits(&self, nested: &dyn Fn(MaterialId) -> bool) -> bool {
+        nested(self.nested)
     }
 
+    /// Adds the nested closures in the tilted frame.
+    fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+        let normal = self.normal(gather, &placement);
+        let placement = self.perturbation.place(normal, gather.surface.wi, placement);
+        gather.add(self.nested, placement, bsdf);
+    }
+}
+
+impl BumpMap {
     /// The normal of the raised surface, in the placement's frame, of any length.
     ///
     /// The tangents of p + h·n, without the small term of the derivative of n, as Blinn leaves it

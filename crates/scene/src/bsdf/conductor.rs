@@ -1,9 +1,9 @@
 //! `conductor`: a smooth metal.
 
-use super::Transport;
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::{MetalIndex, reflectance};
 use crate::models::fresnel;
@@ -73,22 +73,41 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<C
     Some(Conductor { index, specular_reflectance })
 }
 
-impl Conductor {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for Conductor {
+    type Closure<'a> = ConductorClosure;
+
+    const IS_DELTA: bool = true;
+
+    fn transmits(&self) -> bool {
+        false
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
     ) -> ConductorClosure {
         let [eta, k] = self.index.resolve(textures, surface);
         let specular = self.specular_reflectance.eval(textures, surface).into();
         ConductorClosure { eta: eta.into(), k: k.into(), specular }
     }
+}
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+impl LaneMaterial for Conductor {
+    type Variant = ();
+    type Blank = ConductorClosure;
+
+    fn variant(&self) -> Option<()> {
+        Some(())
+    }
+
+    #[inline(always)]
+    fn blank((): ()) -> Self::Blank {
+        ConductorClosure::default()
+    }
+
+    fn is_uniform(&self) -> bool {
         self.index.is_uniform() && self.specular_reflectance.is_constant()
     }
 }
@@ -101,20 +120,7 @@ pub struct ConductorClosure<R = f32> {
     specular: SpectrumLanes<R>,
 }
 
-impl<R: Real> ConductorClosure<R> {
-    /// The same closure with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(
-        self,
-        numbers: &mut impl Transfer<R, T>,
-    ) -> ConductorClosure<T> {
-        ConductorClosure {
-            eta: numbers.spectrum(self.eta),
-            k: numbers.spectrum(self.k),
-            specular: numbers.spectrum(self.specular),
-        }
-    }
-}
+columns!(ConductorClosure { eta, k, specular });
 
 impl<R: Real> LaneClosure<R> for ConductorClosure<R> {
     #[inline(always)]

@@ -1,10 +1,10 @@
 //! `dielectric`: smooth glass, water, and other clear matter.
 
-use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::{reflectance, relative_index};
 use crate::models::fresnel;
@@ -64,13 +64,19 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<D
     })
 }
 
-impl Dielectric {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for Dielectric {
+    type Closure<'a> = DielectricClosure;
+
+    const IS_DELTA: bool = true;
+
+    fn transmits(&self) -> bool {
+        true
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
     ) -> DielectricClosure {
         DielectricClosure {
@@ -79,9 +85,22 @@ impl Dielectric {
             eta: self.eta,
         }
     }
+}
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+impl LaneMaterial for Dielectric {
+    type Variant = ();
+    type Blank = DielectricClosure;
+
+    fn variant(&self) -> Option<()> {
+        Some(())
+    }
+
+    #[inline(always)]
+    fn blank((): ()) -> Self::Blank {
+        DielectricClosure::default()
+    }
+
+    fn is_uniform(&self) -> bool {
         self.specular_reflectance.is_constant() && self.specular_transmittance.is_constant()
     }
 }
@@ -94,20 +113,7 @@ pub struct DielectricClosure<R = f32> {
     eta: R,
 }
 
-impl<R: Real> DielectricClosure<R> {
-    /// The same closure with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(
-        self,
-        numbers: &mut impl Transfer<R, T>,
-    ) -> DielectricClosure<T> {
-        DielectricClosure {
-            reflectance: numbers.spectrum(self.reflectance),
-            transmittance: numbers.spectrum(self.transmittance),
-            eta: numbers.number(self.eta),
-        }
-    }
-}
+columns!(DielectricClosure { reflectance, transmittance, eta });
 
 impl<R: Real> LaneClosure<R> for DielectricClosure<R> {
     #[inline(always)]

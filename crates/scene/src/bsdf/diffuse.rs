@@ -1,9 +1,9 @@
 //! `diffuse`: the ideal matt surface.
 
-use super::Transport;
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::reflectance;
 use crate::texture::{ColorSource, Textures};
@@ -50,16 +50,37 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<D
     Some(Diffuse { reflectance: reflectance(builder, parameters, name, 0.5) })
 }
 
-impl Diffuse {
-    /// Reads the textures at a hit.
-    #[inline]
-    #[must_use]
-    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> DiffuseClosure {
-        DiffuseClosure { reflectance: self.reflectance.eval(textures, surface).into() }
+impl ClosureMaterial for Diffuse {
+    type Closure<'a> = DiffuseClosure;
+
+    fn transmits(&self) -> bool {
+        false
     }
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+    #[inline]
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
+        surface: &SurfaceInteraction,
+    ) -> DiffuseClosure {
+        DiffuseClosure { reflectance: self.reflectance.eval(textures, surface).into() }
+    }
+}
+
+impl LaneMaterial for Diffuse {
+    type Variant = ();
+    type Blank = DiffuseClosure;
+
+    fn variant(&self) -> Option<()> {
+        Some(())
+    }
+
+    #[inline(always)]
+    fn blank((): ()) -> Self::Blank {
+        DiffuseClosure::default()
+    }
+
+    fn is_uniform(&self) -> bool {
         self.reflectance.is_constant()
     }
 }
@@ -70,13 +91,7 @@ pub struct DiffuseClosure<R = f32> {
     reflectance: SpectrumLanes<R>,
 }
 
-impl<R: Real> DiffuseClosure<R> {
-    /// The same closure with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> DiffuseClosure<T> {
-        DiffuseClosure { reflectance: numbers.spectrum(self.reflectance) }
-    }
-}
+columns!(DiffuseClosure { reflectance });
 
 impl<R: Real> LaneClosure<R> for DiffuseClosure<R> {
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! `hair`: light that meets a hair, and leaves it after any number of bounces inside.
 
 use super::dielectric::EXT_IOR;
-use super::{BsdfSample, Closure, Lobe, Transport};
+use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -130,12 +130,21 @@ impl Fiber {
     }
 }
 
-impl Hair {
+impl ClosureMaterial for Hair {
+    type Closure<'a> = HairClosure<'a>;
+
+    fn transmits(&self) -> bool {
+        true
+    }
+
     /// Reads the textures at a hit. Out of line, as are the closure's functions: what is rare must
     /// not grow the loops that all materials share.
     #[inline(never)]
-    #[must_use]
-    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> HairClosure<'_> {
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
+        surface: &SurfaceInteraction,
+    ) -> HairClosure<'a> {
         let absorption = self.absorption.eval(textures, surface) * self.absorption_scale;
         // A texture may hold anything.
         HairClosure { absorption: absorption.clamp(0.0, 1e30), fiber: &self.fiber }

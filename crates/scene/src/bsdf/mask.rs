@@ -1,6 +1,6 @@
 //! `mask`: a material with holes.
 
-use super::{Bsdf, Gather, Placement};
+use super::{Bsdf, Gather, Placement, WrapperMaterial};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
@@ -36,12 +36,16 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<M
     Some(Mask { opacity, nested })
 }
 
-impl Mask {
+impl WrapperMaterial for Mask {
+    fn transmits(&self, _nested: &dyn Fn(MaterialId) -> bool) -> bool {
+        true
+    }
+
     /// Adds the nested closures, and the straight way for what they do not cover.
-    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+    fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
         let opacity = limited(self.opacity.eval(gather.textures, gather.surface), 0.0, 1.0);
         if opacity > 0.0 {
-            gather.materials.gather(self.nested, gather, placement.scaled(opacity), bsdf);
+            gather.add(self.nested, placement.scaled(opacity), bsdf);
         }
         bsdf.push_null(placement.scaled(1.0 - opacity));
     }

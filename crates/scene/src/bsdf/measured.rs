@@ -4,7 +4,7 @@ mod data;
 mod grids;
 mod tensor_file;
 
-use super::{BsdfSample, Closure, Lobe, Transport};
+use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::{Assets, Builder};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -53,10 +53,14 @@ fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Measured> {
     }
 }
 
-impl Measured {
-    /// There is nothing to read at a hit.
-    #[must_use]
-    pub fn resolve(&self, _: Textures<'_>, _: &SurfaceInteraction) -> MeasuredClosure<'_> {
+impl ClosureMaterial for Measured {
+    type Closure<'a> = MeasuredClosure<'a>;
+
+    fn transmits(&self) -> bool {
+        false
+    }
+
+    fn resolve<'a>(&'a self, _: Textures<'a>, _: &SurfaceInteraction) -> MeasuredClosure<'a> {
         MeasuredClosure { measurement: &self.measurement }
     }
 }

@@ -1,6 +1,6 @@
 //! `normalmap`: a material on a surface whose normals come from a picture.
 
-use super::{Bsdf, Gather, Placement};
+use super::{Bsdf, Gather, Placement, WrapperMaterial};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, ParameterManual, parameter};
@@ -65,17 +65,6 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<N
     Some(NormalMap { map: map?, perturbation, nested: nested?[0] })
 }
 
-impl NormalMap {
-    /// Adds the nested closures in the tilted frame.
-    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
-        // The picture holds data, not light: its three channels are the coordinates.
-        let color = self.map.eval(gather.textures, gather.surface);
-        let normal = Vec3::from_array(color.rgb()) * 2.0 - Vec3::ONE;
-        let placement = self.perturbation.place(normal, gather.surface.wi, placement);
-        gather.materials.gather(self.nested, gather, placement, bsdf);
-    }
-}
-
 /// What bump and normal maps do with the normal that they found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Perturbation {
@@ -132,6 +121,21 @@ impl Perturbation {
             Shadowing::Smooth => turned.shadowed(normal),
             Shadowing::None => turned,
         }
+    }
+}
+
+impl WrapperMaterial for NormalMap {
+    fn transmits(&self, nested: &dyn Fn(MaterialId) -> bool) -> bool {
+        nested(self.nested)
+    }
+
+    /// Adds the nested closures in the tilted frame.
+    fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+        // The picture holds data, not light: its three channels are the coordinates.
+        let color = self.map.eval(gather.textures, gather.surface);
+        let normal = Vec3::from_array(color.rgb()) * 2.0 - Vec3::ONE;
+        let placement = self.perturbation.place(normal, gather.surface.wi, placement);
+        gather.add(self.nested, placement, bsdf);
     }
 }
 

@@ -1,6 +1,6 @@
 //! `null`: a surface that is not there, and what lets light go straight on but for a share of it.
 
-use super::{BsdfSample, Closure, Lobe, Transport};
+use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::Manual;
@@ -35,11 +35,19 @@ impl Null {
     pub fn filter(transmittance: ColorSource, share: f32) -> Self {
         Self { transmittance, share }
     }
+}
 
-    /// Reads the texture at a hit.
+impl ClosureMaterial for Null {
+    type Closure<'a> = NullClosure;
+
+    const IS_DELTA: bool = true;
+
+    fn transmits(&self) -> bool {
+        true
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> NullClosure {
+    fn resolve<'a>(&'a self, textures: Textures<'a>, surface: &SurfaceInteraction) -> NullClosure {
         NullClosure { transmittance: self.transmittance.eval(textures, surface) * self.share }
     }
 }

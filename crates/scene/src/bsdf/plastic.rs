@@ -1,11 +1,11 @@
 //! `plastic`: a smooth clear coat over a matt base.
 
-use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::EXT_IOR;
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::{
     ColorShift, coated_base, internal_diffuse_reflectance, reflectance, relative_index,
@@ -75,11 +75,19 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
     })
 }
 
-impl Plastic {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for Plastic {
+    type Closure<'a> = PlasticClosure;
+
+    fn transmits(&self) -> bool {
+        false
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> PlasticClosure {
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
+        surface: &SurfaceInteraction,
+    ) -> PlasticClosure {
         let reflectance = self.diffuse_reflectance.eval(textures, surface);
         let base = coated_base(reflectance, self.internal_diffuse_reflectance, self.shift)
             / (self.eta * self.eta);
@@ -91,9 +99,22 @@ impl Plastic {
             internal_diffuse_reflectance: self.internal_diffuse_reflectance,
         }
     }
+}
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+impl LaneMaterial for Plastic {
+    type Variant = ();
+    type Blank = PlasticClosure;
+
+    fn variant(&self) -> Option<()> {
+        Some(())
+    }
+
+    #[inline(always)]
+    fn blank((): ()) -> Self::Blank {
+        PlasticClosure::default()
+    }
+
+    fn is_uniform(&self) -> bool {
         self.diffuse_reflectance.is_constant() && self.specular_reflectance.is_constant()
     }
 }
@@ -110,19 +131,9 @@ pub struct PlasticClosure<R = f32> {
     internal_diffuse_reflectance: R,
 }
 
-impl<R: Real> PlasticClosure<R> {
-    /// The same closure with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> PlasticClosure<T> {
-        PlasticClosure {
-            base: numbers.spectrum(self.base),
-            reflectance: numbers.spectrum(self.reflectance),
-            specular: numbers.spectrum(self.specular),
-            eta: numbers.number(self.eta),
-            internal_diffuse_reflectance: numbers.number(self.internal_diffuse_reflectance),
-        }
-    }
+columns!(PlasticClosure { base, reflectance, specular, eta, internal_diffuse_reflectance });
 
+impl<R: Real> PlasticClosure<R> {
     /// The share of light that goes through the coat.
     #[inline(always)]
     fn transmitted(&self, cosine: R) -> R {

@@ -1,7 +1,7 @@
 //! `principled`: Disney's material, from metal over plastic to glass.
 
 use super::dielectric::radiance_scale;
-use super::{BsdfSample, Closure, Lobe, Transport};
+use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -122,22 +122,21 @@ fn relative_index(parameters: &Parameters<'_>, transmits: bool) -> f32 {
     2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0
 }
 
-impl Principled {
-    /// Whether light may pass the surface.
-    #[must_use]
-    pub(crate) fn transmits(&self) -> bool {
+impl ClosureMaterial for Principled {
+    type Closure<'a> = PrincipledClosure<'a>;
+
+    fn transmits(&self) -> bool {
         self.base.transmits()
     }
 
     /// Reads the textures at a hit. Out of line, as are the closure's functions: what is rare must
     /// not grow the loops that all materials share.
     #[inline(never)]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
-    ) -> PrincipledClosure<'_> {
+    ) -> PrincipledClosure<'a> {
         PrincipledClosure {
             base: self.base.resolve(textures, surface),
             clearcoat: limited(self.clearcoat.eval(textures, surface), 0.0, 1e4),

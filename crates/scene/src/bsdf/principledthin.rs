@@ -1,6 +1,6 @@
 //! `principledthin`: Disney's material for sheets: leaves, paper, curtains.
 
-use super::{BsdfSample, Closure, Lobe, Transport};
+use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -119,16 +119,21 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
     })
 }
 
-impl PrincipledThin {
+impl ClosureMaterial for PrincipledThin {
+    type Closure<'a> = PrincipledThinClosure<'a>;
+
+    fn transmits(&self) -> bool {
+        true
+    }
+
     /// Reads the textures at a hit. Out of line, as are the closure's functions: what is rare must
     /// not grow the loops that all materials share.
     #[inline(never)]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
-    ) -> PrincipledThinClosure<'_> {
+    ) -> PrincipledThinClosure<'a> {
         PrincipledThinClosure {
             base: self.base.resolve(textures, surface),
             eta: limited(self.eta.eval(textures, surface), 1e-3, 1e3),

@@ -1,10 +1,10 @@
 //! `roughconductor`: a rough metal, made of microfacets.
 
-use super::Transport;
 use super::conductor::{ETA, EXT_ETA, K, MATERIAL, SPECULAR_REFLECTANCE};
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::{MetalIndex, Roughness, reflectance};
 use crate::models::fresnel;
@@ -84,13 +84,17 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<R
     Some(RoughConductor { index, specular_reflectance, roughness })
 }
 
-impl RoughConductor {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for RoughConductor {
+    type Closure<'a> = RoughConductorClosure;
+
+    fn transmits(&self) -> bool {
+        false
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
     ) -> RoughConductorClosure {
         let [eta, k] = self.index.resolve(textures, surface);
@@ -101,17 +105,26 @@ impl RoughConductor {
             microfacets: self.roughness.resolve(textures, surface),
         }
     }
+}
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+impl LaneMaterial for RoughConductor {
+    type Variant = Distribution;
+    type Blank = RoughConductorClosure;
+
+    fn variant(&self) -> Option<Distribution> {
+        self.roughness.visible_distribution()
+    }
+
+    #[inline(always)]
+    fn blank(distribution: Distribution) -> Self::Blank {
+        let [eta, k, specular] = Default::default();
+        RoughConductorClosure { eta, k, specular, microfacets: Microfacets::visible(distribution) }
+    }
+
+    fn is_uniform(&self) -> bool {
         self.index.is_uniform()
             && self.specular_reflectance.is_constant()
             && self.roughness.is_uniform()
-    }
-
-    /// The distribution of its normals where visible ones are sampled.
-    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
-        self.roughness.visible_distribution()
     }
 }
 
@@ -124,29 +137,9 @@ pub struct RoughConductorClosure<R = f32> {
     microfacets: Microfacets<R>,
 }
 
-impl RoughConductorClosure {
-    /// One that reflects nothing.
-    pub(crate) fn black(distribution: Distribution) -> Self {
-        let [eta, k, specular] = Default::default();
-        Self { eta, k, specular, microfacets: Microfacets::visible(distribution) }
-    }
-}
+columns!(RoughConductorClosure { eta, k, specular, microfacets });
 
 impl<R: Real> RoughConductorClosure<R> {
-    /// The same closure with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(
-        self,
-        numbers: &mut impl Transfer<R, T>,
-    ) -> RoughConductorClosure<T> {
-        RoughConductorClosure {
-            eta: numbers.spectrum(self.eta),
-            k: numbers.spectrum(self.k),
-            specular: numbers.spectrum(self.specular),
-            microfacets: self.microfacets.transfer(numbers),
-        }
-    }
-
     /// Value and density where the microfacets between `wi` and `wo` have the normal `m`; zero
     /// where not both are `above` the surface.
     #[inline(always)]

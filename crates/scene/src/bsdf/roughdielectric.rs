@@ -1,12 +1,12 @@
 //! `roughdielectric`: frosted glass, made of microfacets.
 
-use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE, radiance_scale};
 use super::roughconductor::{ALPHA, ALPHA_U, ALPHA_V, DISTRIBUTION, SAMPLE_VISIBLE};
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::Manual;
 use crate::models::bsdf_inputs::{Roughness, reflectance, rough_relative_index};
 use crate::models::fresnel;
@@ -58,13 +58,17 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<R
     Some(RoughDielectric { eta: eta?, specular_reflectance, specular_transmittance, roughness })
 }
 
-impl RoughDielectric {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for RoughDielectric {
+    type Closure<'a> = RoughDielectricClosure;
+
+    fn transmits(&self) -> bool {
+        true
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
     ) -> RoughDielectricClosure {
         RoughDielectricClosure {
@@ -74,17 +78,27 @@ impl RoughDielectric {
             microfacets: self.roughness.resolve(textures, surface),
         }
     }
+}
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+impl LaneMaterial for RoughDielectric {
+    type Variant = Distribution;
+    type Blank = RoughDielectricClosure;
+
+    fn variant(&self) -> Option<Distribution> {
+        self.roughness.visible_distribution()
+    }
+
+    #[inline(always)]
+    fn blank(distribution: Distribution) -> Self::Blank {
+        let [reflectance, transmittance] = Default::default();
+        let microfacets = Microfacets::visible(distribution);
+        RoughDielectricClosure { reflectance, transmittance, eta: 1.0, microfacets }
+    }
+
+    fn is_uniform(&self) -> bool {
         self.specular_reflectance.is_constant()
             && self.specular_transmittance.is_constant()
             && self.roughness.is_uniform()
-    }
-
-    /// The distribution of its normals where visible ones are sampled.
-    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
-        self.roughness.visible_distribution()
     }
 }
 
@@ -96,6 +110,8 @@ pub struct RoughDielectricClosure<R = f32> {
     eta: R,
     microfacets: Microfacets<R>,
 }
+
+columns!(RoughDielectricClosure { reflectance, transmittance, eta, microfacets });
 
 /// The interface as seen from the side of `wi`, which is above.
 struct Facing<'a, R> {
@@ -122,30 +138,7 @@ impl<R: Real> Share<R> {
     }
 }
 
-impl RoughDielectricClosure {
-    /// One that scatters nothing.
-    pub(crate) fn black(distribution: Distribution) -> Self {
-        let [reflectance, transmittance] = Default::default();
-        let microfacets = Microfacets::visible(distribution);
-        Self { reflectance, transmittance, eta: 1.0, microfacets }
-    }
-}
-
 impl<R: Real> RoughDielectricClosure<R> {
-    /// The same closure with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(
-        self,
-        numbers: &mut impl Transfer<R, T>,
-    ) -> RoughDielectricClosure<T> {
-        RoughDielectricClosure {
-            reflectance: numbers.spectrum(self.reflectance),
-            transmittance: numbers.spectrum(self.transmittance),
-            eta: numbers.number(self.eta),
-            microfacets: self.microfacets.transfer(numbers),
-        }
-    }
-
     /// Turns what comes from below upside down. The distribution of normals is symmetric, so the
     /// whole vectors can be negated.
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! `roughdiffuse`: a rough matt surface.
 
-use super::{BsdfSample, Closure, Lobe, Transport};
+use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -78,13 +78,17 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<R
     })
 }
 
-impl RoughDiffuse {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for RoughDiffuse {
+    type Closure<'a> = RoughDiffuseClosure;
+
+    fn transmits(&self) -> bool {
+        false
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
     ) -> RoughDiffuseClosure {
         let alpha = limited(self.alpha.eval(textures, surface), 0.0, 1e4);

@@ -1,13 +1,13 @@
 //! `roughplastic`: a rough clear coat over a matt base.
 
-use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::EXT_IOR;
 use super::plastic::{DIFFUSE_REFLECTANCE, INT_IOR, NONLINEAR};
 use super::roughconductor::{ALPHA, DISTRIBUTION, SAMPLE_VISIBLE};
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual};
 use crate::models::bsdf_inputs::{
     ColorShift, coated_base, distribution, reflectance, rough_relative_index, scalar_within,
@@ -87,15 +87,19 @@ fn constant_alpha(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> f32
     }
 }
 
-impl RoughPlastic {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for RoughPlastic {
+    type Closure<'a> = RoughPlasticClosure<&'a CoatTable>;
+
+    fn transmits(&self) -> bool {
+        false
+    }
+
     #[inline]
-    #[must_use]
-    pub(crate) fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
-    ) -> RoughPlasticClosure<&CoatTable> {
+    ) -> RoughPlasticClosure<&'a CoatTable> {
         let reflectance = self.diffuse_reflectance.eval(textures, surface);
         let base = coated_base(reflectance, self.table.internal_diffuse_reflectance, self.shift);
         RoughPlasticClosure {
@@ -107,21 +111,39 @@ impl RoughPlastic {
             coat: &*self.table,
         }
     }
+}
 
-    /// What the coat lets through.
-    #[inline(always)]
-    pub(crate) fn coat(&self) -> &CoatTable {
-        &self.table
+impl LaneMaterial for RoughPlastic {
+    type Variant = Distribution;
+    type Blank = RoughPlasticClosure<&'static CoatTable>;
+
+    const HAS_COAT: bool = true;
+
+    fn variant(&self) -> Option<Distribution> {
+        self.microfacets.visible_distribution()
     }
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+    #[inline(always)]
+    fn blank(distribution: Distribution) -> Self::Blank {
+        let [base, reflectance, specular] = Default::default();
+        let microfacets = Microfacets::visible(distribution);
+        RoughPlasticClosure {
+            base,
+            reflectance,
+            specular,
+            microfacets,
+            eta: 1.0,
+            coat: &CoatTable::BLACK,
+        }
+    }
+
+    fn is_uniform(&self) -> bool {
         self.diffuse_reflectance.is_constant() && self.specular_reflectance.is_constant()
     }
 
-    /// The distribution of its normals where visible ones are sampled.
-    pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
-        self.microfacets.visible_distribution()
+    #[inline(always)]
+    fn coat(&self) -> &CoatTable {
+        &self.table
     }
 }
 
@@ -138,33 +160,7 @@ pub(crate) struct RoughPlasticClosure<C, R = f32> {
     coat: C,
 }
 
-impl RoughPlasticClosure<&CoatTable> {
-    /// One that reflects nothing.
-    pub(crate) fn black(distribution: Distribution) -> Self {
-        let [base, reflectance, specular] = Default::default();
-        let microfacets = Microfacets::visible(distribution);
-        Self { base, reflectance, specular, microfacets, eta: 1.0, coat: &CoatTable::BLACK }
-    }
-}
-
-impl<C, R: Real> RoughPlasticClosure<C, R> {
-    /// The same closure with its numbers passed on, in lanes or out of them, and its coat replaced.
-    #[inline(always)]
-    pub(crate) fn transfer<D, T: Real>(
-        self,
-        numbers: &mut impl Transfer<R, T>,
-        coat: D,
-    ) -> RoughPlasticClosure<D, T> {
-        RoughPlasticClosure {
-            base: numbers.spectrum(self.base),
-            reflectance: numbers.spectrum(self.reflectance),
-            specular: numbers.spectrum(self.specular),
-            microfacets: self.microfacets.transfer(numbers),
-            eta: numbers.number(self.eta),
-            coat,
-        }
-    }
-}
+columns!(RoughPlasticClosure { base, reflectance, specular, microfacets, eta; coat });
 
 impl<C: Coats<R>, R: Real> RoughPlasticClosure<C, R> {
     /// The share of samples that go to the coat, where it lets the share `entering` in.

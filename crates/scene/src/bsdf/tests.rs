@@ -105,3 +105,8 @@ fn incident() -> impl Iterator<Item = Vec3> {
     };
     [1.0, -1.0].into_iter().flat_map(move |side| [0.0, 45.0, 85.0].map(|angle| at(angle, side)))
 }
+
+#[test]
+fn closures_stay_small() {
+    assert!(size_of::<super::AnyClosure<'_>>() <= 80, "{}", size_of::<super::AnyClosure<'_>>());
+}

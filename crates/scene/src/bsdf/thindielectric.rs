@@ -1,11 +1,11 @@
 //! `thindielectric`: a pane of glass without thickness.
 
-use super::Transport;
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE};
+use super::{ClosureMaterial, LaneMaterial, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
-use crate::lanes::{HitClosure, LaneClosure, SampleLanes, Transfer};
+use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::Manual;
 use crate::models::bsdf_inputs::{reflectance, relative_index};
 use crate::models::fresnel;
@@ -42,13 +42,19 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<T
     })
 }
 
-impl ThinDielectric {
-    /// Reads the textures at a hit.
+impl ClosureMaterial for ThinDielectric {
+    type Closure<'a> = ThinDielectricClosure;
+
+    const IS_DELTA: bool = true;
+
+    fn transmits(&self) -> bool {
+        true
+    }
+
     #[inline]
-    #[must_use]
-    pub fn resolve(
-        &self,
-        textures: Textures<'_>,
+    fn resolve<'a>(
+        &'a self,
+        textures: Textures<'a>,
         surface: &SurfaceInteraction,
     ) -> ThinDielectricClosure {
         ThinDielectricClosure {
@@ -57,9 +63,22 @@ impl ThinDielectric {
             eta: self.eta,
         }
     }
+}
 
-    /// Whether the closure is the same everywhere.
-    pub(crate) fn is_uniform(&self) -> bool {
+impl LaneMaterial for ThinDielectric {
+    type Variant = ();
+    type Blank = ThinDielectricClosure;
+
+    fn variant(&self) -> Option<()> {
+        Some(())
+    }
+
+    #[inline(always)]
+    fn blank((): ()) -> Self::Blank {
+        ThinDielectricClosure::default()
+    }
+
+    fn is_uniform(&self) -> bool {
         self.specular_reflectance.is_constant() && self.specular_transmittance.is_constant()
     }
 }
@@ -72,20 +91,9 @@ pub struct ThinDielectricClosure<R = f32> {
     eta: R,
 }
 
-impl<R: Real> ThinDielectricClosure<R> {
-    /// The same closure with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(
-        self,
-        numbers: &mut impl Transfer<R, T>,
-    ) -> ThinDielectricClosure<T> {
-        ThinDielectricClosure {
-            reflectance: numbers.spectrum(self.reflectance),
-            transmittance: numbers.spectrum(self.transmittance),
-            eta: numbers.number(self.eta),
-        }
-    }
+columns!(ThinDielectricClosure { reflectance, transmittance, eta });
 
+impl<R: Real> ThinDielectricClosure<R> {
     /// The share of light that the pane reflects at a cosine: with R at one face and T = 1 − R, the
     /// sum R + T²R + T²R³ + … = 2R / (1 + R).
     #[inline(always)]

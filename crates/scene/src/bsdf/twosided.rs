@@ -1,6 +1,6 @@
 //! `twosided`: a material on both sides of a surface.
 
-use super::{Bsdf, Gather, Material, Placement};
+use super::{Bsdf, Gather, Placement, WrapperMaterial, transmits};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
@@ -42,28 +42,15 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<T
     Some(TwoSided { front: nested[0], back: nested[nested.len() - 1] })
 }
 
-/// Whether a material lets light through. Materials hold only earlier ones, so the recursion ends.
-fn transmits(materials: &[Material], id: MaterialId) -> bool {
-    match &materials[id.index()] {
-        Material::Diffuse(_)
-        | Material::RoughDiffuse(_)
-        | Material::Conductor(_)
-        | Material::RoughConductor(_)
-        | Material::Plastic(_)
-        | Material::RoughPlastic(_)
-        | Material::Measured(_)
-        | Material::TwoSided(_) => false,
-        Material::Dielectric(_)
-        | Material::RoughDielectric(_)
-        | Material::ThinDielectric(_)
-        | Material::PrincipledThin(_)
-        | Material::Hair(_)
-        | Material::Null(_)
-        | Material::Mask(_) => true,
-        Material::Principled(material) => material.transmits(),
-        Material::BumpMap(map) => transmits(materials, map.nested),
-        Material::NormalMap(map) => transmits(materials, map.nested),
-        Material::Blend(blend) => blend.nested.iter().any(|&id| transmits(materials, id)),
+impl WrapperMaterial for TwoSided {
+    fn transmits(&self, _nested: &dyn Fn(MaterialId) -> bool) -> bool {
+        false
+    }
+
+    /// Adds the closures of the side that `wi` is on.
+    fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
+        let (material, placement) = self.side(placement, gather.surface.wi);
+        gather.add(material, placement, bsdf);
     }
 }
 
@@ -72,12 +59,6 @@ impl TwoSided {
     #[must_use]
     pub fn both(&self) -> Option<MaterialId> {
         (self.front == self.back).then_some(self.front)
-    }
-
-    /// Adds the closures of the side that `wi` is on.
-    pub fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
-        let (material, placement) = self.side(placement, gather.surface.wi);
-        gather.materials.gather(material, gather, placement, bsdf);
     }
 
     /// The material of the side that `wi` is on, and how it lies there.

@@ -1,19 +1,21 @@
 //! `area`: a shape that glows.
 
-use super::{DirectionSample, SAMPLING_WEIGHT, Target};
+use super::{DirectionSample, LaneEmitter, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target};
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
 use crate::lanes::{LightLanes, TargetLanes};
 use crate::manual::{Manual, parameter};
 use crate::models::mesh::{Glow, LightPoint, Mesh, Parallelogram, ParallelogramBatch};
-use crate::scene::Scene;
-use crate::shape::area_to_solid_angle_lanes;
+use crate::shape::{Geometry, Shape, ShapeSample, area_to_solid_angle_lanes};
 use crate::texture::{ColorSource, Texture};
 use etendue_document::Parameters;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
+use etendue_math::{Frame, Ray, offset_ray_origin};
+use etendue_sampling::warp;
 use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse};
 use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -57,7 +59,7 @@ fn towards<R: Real>(
     (direction, exists & !cosine.ge(cosine.zero()))
 }
 
-/// The light of a point that was chosen, as [`Area::sample_direction`].
+/// The light of a point that was chosen, as [`Light::sample_direction`] of [`Area`].
 #[inline(always)]
 pub(crate) fn light_from<R: Real>(
     place: LightPoint<R>,
@@ -86,7 +88,7 @@ pub(crate) struct ParallelogramLight<R> {
 }
 
 impl<R: Real> ParallelogramLight<R> {
-    /// As [`Area::sample_direction`].
+    /// As [`Light::sample_direction`] of [`Area`].
     #[inline(always)]
     pub(crate) fn sample_direction(
         &self,
@@ -140,15 +142,6 @@ impl ParallelogramLightBatch {
 }
 
 impl Area {
-    /// The radiance that leaves towards `surface.wi`: none at the back.
-    #[inline]
-    pub(crate) fn radiance(&self, scene: &Scene, surface: &SurfaceInteraction) -> Spectrum {
-        if surface.wi.z <= 0.0 {
-            return Spectrum::ZERO;
-        }
-        self.radiance.eval(scene.textures(), surface)
-    }
-
     /// Lets points of the light's mesh follow the picture that it shows, if it shows one.
     pub(crate) fn let_follow(&self, mesh: &mut Mesh, textures: &[Texture]) {
         let ColorSource::Texture(id) = self.radiance else { return };
@@ -157,16 +150,13 @@ impl Area {
             mesh.follow(Glow { luminance: &luminance, resolution: picture.resolution() });
         }
     }
+}
 
-    /// The shape and what it sends out.
-    pub(crate) fn source(&self) -> (ShapeId, ColorSource) {
-        (self.shape, self.radiance)
-    }
-
+impl Light for Area {
     #[inline(always)]
-    pub(crate) fn sample_direction(
+    fn sample_direction(
         &self,
-        scene: &Scene,
+        scene: &impl SceneView,
         reference: Vec3,
         random: Vec2,
     ) -> Option<DirectionSample> {
@@ -198,12 +188,66 @@ impl Area {
     }
 
     #[inline]
-    pub(crate) fn pdf_direction(
+    fn pdf_direction(
         &self,
-        scene: &Scene,
+        scene: &impl SceneView,
         reference: Vec3,
-        surface: &SurfaceInteraction,
+        _direction: Vec3,
+        surface: Option<&SurfaceInteraction>,
     ) -> f32 {
-        scene.shape(self.shape).pdf_direction(reference, surface)
+        surface.map_or(0.0, |surface| scene.shape(self.shape).pdf_direction(reference, surface))
     }
+
+    /// None at the back.
+    #[inline]
+    fn surface_radiance(&self, scene: &impl SceneView, surface: &SurfaceInteraction) -> Spectrum {
+        if surface.wi.z <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        self.radiance.eval(scene.textures(), surface)
+    }
+
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        let sample = scene.shape(self.shape).sample_area(place)?;
+        let local = warp::cosine_hemisphere::sample(direction);
+        let direction = Frame::from_normal(sample.front()).to_world(local);
+        ray_from_shape(scene, (self.shape, &sample), self.radiance, (direction, PI))
+    }
+
+    fn in_lanes(&self, shapes: &[Shape]) -> LaneEmitter {
+        let ColorSource::Constant(radiance) = self.radiance else { return LaneEmitter::Single };
+        let Geometry::Mesh(mesh) = &shapes[self.shape.index()].geometry else {
+            return LaneEmitter::Single;
+        };
+        match mesh.parallelogram() {
+            Some(flat) => LaneEmitter::Parallelogram(ParallelogramLight {
+                shape: *flat,
+                radiance: radiance.into(),
+            }),
+            None if mesh.chooses_triangles() => LaneEmitter::Mesh(self.shape, radiance),
+            None => LaneEmitter::Single,
+        }
+    }
+}
+
+/// Light that leaves a point sampled by area on a shape, in a direction whose density is `factor`
+/// times smaller than the cosine, or than one where there is only that direction.
+pub(super) fn ray_from_shape(
+    scene: &impl SceneView,
+    (shape, sample): (ShapeId, &ShapeSample),
+    color: ColorSource,
+    (direction, factor): (Vec3, f32),
+) -> Option<RaySample> {
+    if direction.dot(sample.shading_normal) <= 0.0 || sample.pdf <= 0.0 {
+        return None;
+    }
+    let color = color.eval(scene.textures(), &sample.interaction(shape, direction));
+    let origin = offset_ray_origin(sample.point, sample.error, sample.normal, direction);
+    let power = color * (factor / sample.pdf);
+    (!color.is_black()).then_some(RaySample { ray: Ray::new(origin, direction), power })
 }

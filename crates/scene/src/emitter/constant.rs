@@ -1,14 +1,19 @@
 //! `constant`: the same light from everywhere afar.
 
-use super::{DirectionSample, SAMPLING_WEIGHT, Target};
+use super::{
+    DirectionSample, LaneEmitter, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target,
+    sample_ray_from_afar,
+};
 use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
 use crate::lanes::{LightLanes, TargetLanes};
 use crate::manual::{Manual, parameter};
+use crate::shape::Shape;
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_sampling::warp;
 use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// The manual page.
@@ -32,7 +37,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<C
     })
 }
 
-/// Light from everywhere, as [`Constant::sample_direction`] over any [`Real`].
+/// Light from everywhere, as [`Light::sample_direction`] of [`Constant`] over any [`Real`].
 #[inline(always)]
 pub(crate) fn light_from_everywhere<R: Real>(
     radiance: SpectrumLanes<R>,
@@ -54,22 +59,50 @@ pub(crate) fn light_from_everywhere<R: Real>(
 /// The density of every direction.
 const DENSITY: f32 = 1.0 / (4.0 * PI);
 
-impl Constant {
-    pub(crate) fn radiance(&self) -> Spectrum {
+impl Light for Constant {
+    fn is_environment(&self) -> bool {
+        true
+    }
+
+    fn sample_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        random: Vec2,
+    ) -> Option<DirectionSample> {
+        Some(DirectionSample {
+            direction: warp::uniform_sphere::sample(random),
+            radiance: self.radiance,
+            pdf: DENSITY,
+            delta: false,
+            target: Target::Afar,
+        })
+    }
+
+    fn pdf_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        _direction: Vec3,
+        _surface: Option<&SurfaceInteraction>,
+    ) -> f32 {
+        DENSITY
+    }
+
+    fn distant_radiance(&self, _direction: Vec3) -> Spectrum {
         self.radiance
     }
 
-    pub(crate) fn sample_direction(&self, random: Vec2) -> DirectionSample {
-        DirectionSample {
-            direction: warp::uniform_sphere::sample(random),
-            radiance: self.radiance,
-            pdf: self.pdf_direction(),
-            delta: false,
-            target: Target::Afar,
-        }
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        sample_ray_from_afar(self, scene, place, direction)
     }
 
-    pub(crate) fn pdf_direction(&self) -> f32 {
-        DENSITY
+    fn in_lanes(&self, _shapes: &[Shape]) -> LaneEmitter {
+        LaneEmitter::ConstantEnvironment(self.radiance)
     }
 }

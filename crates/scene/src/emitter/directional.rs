@@ -1,11 +1,11 @@
 //! `directional`: parallel light from afar.
 
-use super::{DirectionSample, SAMPLING_WEIGHT, Target};
+use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, ray_from_afar};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
 use etendue_spectrum::{Spectrum, SpectrumUse};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -33,8 +33,8 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Debug)]
 pub struct Directional {
     /// The unit direction towards the light.
-    pub(super) towards_light: Vec3,
-    pub(super) irradiance: Spectrum,
+    towards_light: Vec3,
+    irradiance: Spectrum,
 }
 
 /// Reads a directional light.
@@ -50,14 +50,28 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<D
     Some(Directional { towards_light: -direction, irradiance })
 }
 
-impl Directional {
-    pub(super) fn sample_direction(&self) -> DirectionSample {
-        DirectionSample {
+impl Light for Directional {
+    fn sample_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        _random: Vec2,
+    ) -> Option<DirectionSample> {
+        Some(DirectionSample {
             direction: self.towards_light,
             radiance: self.irradiance,
             pdf: 1.0,
             delta: true,
             target: Target::Afar,
-        }
+        })
+    }
+
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        place: Vec2,
+        _direction: Vec2,
+    ) -> Option<RaySample> {
+        ray_from_afar(scene, self.towards_light, self.irradiance, place)
     }
 }

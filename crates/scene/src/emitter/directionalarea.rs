@@ -1,12 +1,14 @@
 //! `directionalarea`: a shape that shines straight ahead only.
 
-use super::SAMPLING_WEIGHT;
+use super::area::ray_from_shape;
+use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::manual::{Manual, parameter};
 use crate::texture::ColorSource;
 use etendue_document::Parameters;
 use etendue_spectrum::SpectrumUse;
+use glam::{Vec2, Vec3};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -29,9 +31,9 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Debug)]
 pub struct DirectionalArea {
     /// The shape.
-    pub(super) shape: ShapeId,
+    shape: ShapeId,
     /// Power per area.
-    pub(super) exitance: ColorSource,
+    exitance: ColorSource,
 }
 
 /// Reads the emitter of `shape`.
@@ -43,4 +45,26 @@ pub fn build(
 ) -> DirectionalArea {
     let exitance = builder.color(parameters, "radiance", 1.0, SpectrumUse::Emission);
     DirectionalArea { shape, exitance }
+}
+
+impl Light for DirectionalArea {
+    /// No surface lies exactly where it could see such light.
+    fn sample_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        _random: Vec2,
+    ) -> Option<DirectionSample> {
+        None
+    }
+
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        place: Vec2,
+        _direction: Vec2,
+    ) -> Option<RaySample> {
+        let sample = scene.shape(self.shape).sample_area(place)?;
+        ray_from_shape(scene, (self.shape, &sample), self.exitance, (sample.shading_normal, 1.0))
+    }
 }

@@ -1,7 +1,10 @@
 //! `envmap`: a picture of the surroundings.
 
-use super::{DirectionSample, SAMPLING_WEIGHT, Target};
+use super::{
+    DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, sample_ray_from_afar,
+};
 use crate::builder::{Assets, Builder, read_transform};
+use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::picture_in_memory;
 use etendue_document::{Fault, Parameters};
@@ -132,6 +135,44 @@ fn compensated(cells: &[(f32, f32)]) -> Vec<f32> {
     weights
 }
 
+impl Light for EnvironmentMap {
+    fn is_environment(&self) -> bool {
+        true
+    }
+
+    fn sample_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        random: Vec2,
+    ) -> Option<DirectionSample> {
+        self.sample(random)
+    }
+
+    fn pdf_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        direction: Vec3,
+        _surface: Option<&SurfaceInteraction>,
+    ) -> f32 {
+        self.pdf(direction)
+    }
+
+    fn distant_radiance(&self, direction: Vec3) -> Spectrum {
+        self.radiance(direction)
+    }
+
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        sample_ray_from_afar(self, scene, place, direction)
+    }
+}
+
 impl Panorama {
     fn new(
         [width, height]: [usize; 2],
@@ -171,7 +212,7 @@ impl Panorama {
 
 impl EnvironmentMap {
     /// Radiance from the unit world direction `direction`.
-    pub(super) fn radiance(&self, direction: Vec3) -> Spectrum {
+    fn radiance(&self, direction: Vec3) -> Spectrum {
         let picture = &*self.picture;
         let cell = self.cell_coordinates(direction);
         let x = cell.x * picture.width as f32;
@@ -198,7 +239,8 @@ impl EnvironmentMap {
         Vec2::new(u - u.floor(), v).min(Vec2::splat(1.0 - f32::EPSILON))
     }
 
-    pub(super) fn sample_direction(&self, random: Vec2) -> Option<DirectionSample> {
+    /// Chooses a direction that light comes from.
+    fn sample(&self, random: Vec2) -> Option<DirectionSample> {
         let (cell, density) = self.picture.distribution.sample(random);
         let (sin_azimuth, cos_azimuth) =
             ((cell.x + 0.5 / self.picture.width as f32) * TAU).sin_cos();
@@ -215,7 +257,8 @@ impl EnvironmentMap {
         })
     }
 
-    pub(super) fn pdf_direction(&self, direction: Vec3) -> f32 {
+    /// The density with which [`sample`](Self::sample) chooses a direction.
+    fn pdf(&self, direction: Vec3) -> f32 {
         let cell = self.cell_coordinates(direction);
         let sin_theta = (cell.y * PI).sin();
         if sin_theta <= 0.0 {
@@ -263,10 +306,9 @@ mod tests {
         let mut random = TestRng::new(7);
         let map = counting_map();
         for _ in 0..1000 {
-            let sample = map
-                .sample_direction(Vec2::new(random.next_f32(), random.next_f32()))
-                .expect("bright");
-            let pdf = map.pdf_direction(sample.direction);
+            let sample =
+                map.sample(Vec2::new(random.next_f32(), random.next_f32())).expect("bright");
+            let pdf = map.pdf(sample.direction);
             assert!((pdf / sample.pdf - 1.0).abs() < 2e-3, "{sample:?}: {pdf}");
         }
     }

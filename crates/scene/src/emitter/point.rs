@@ -1,11 +1,14 @@
 //! `point`: a point that shines in all directions.
 
-use super::{DirectionSample, SAMPLING_WEIGHT, Target};
+use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
+use etendue_math::Ray;
+use etendue_sampling::warp;
 use etendue_spectrum::{Spectrum, SpectrumUse};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
+use std::f32::consts::PI;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -22,8 +25,8 @@ pub const MANUAL: Manual = Manual {
 /// A point light.
 #[derive(Clone, Debug)]
 pub struct Point {
-    pub(super) position: Vec3,
-    pub(super) intensity: Spectrum,
+    position: Vec3,
+    intensity: Spectrum,
 }
 
 /// Reads a point light.
@@ -38,9 +41,25 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
     Some(Point { position, intensity })
 }
 
-impl Point {
-    pub(super) fn sample_direction(&self, reference: Vec3) -> Option<DirectionSample> {
+impl Light for Point {
+    fn sample_direction(
+        &self,
+        _scene: &impl SceneView,
+        reference: Vec3,
+        _random: Vec2,
+    ) -> Option<DirectionSample> {
         point_sample(self.position, self.intensity, reference)
+    }
+
+    fn sample_ray(
+        &self,
+        _scene: &impl SceneView,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        let direction = warp::uniform_sphere::sample(direction);
+        let ray = Ray::new(self.position, direction);
+        Some(RaySample { ray, power: self.intensity * (4.0 * PI) })
     }
 }
 

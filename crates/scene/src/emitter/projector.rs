@@ -1,15 +1,14 @@
 //! `projector`: a point that throws a picture.
 
 use super::point::point_sample;
-use super::{DirectionSample, SAMPLING_WEIGHT};
+use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
 use crate::builder::{Builder, read_transform};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
-use crate::scene::Scene;
 use crate::texture::{ColorSource, Texture, Textures};
 use etendue_document::Parameters;
-use etendue_math::{Frame, Transform};
+use etendue_math::{Frame, Ray, Transform};
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
@@ -44,11 +43,11 @@ pub const MANUAL: Manual = Manual {
 /// A slide projector.
 #[derive(Clone, Debug)]
 pub struct Projector {
-    pub(super) to_world: Transform,
+    to_world: Transform,
     irradiance: ColorSource,
     scale: f32,
     /// Half the width and height of the picture at distance one.
-    pub(super) half_size: Vec2,
+    half_size: Vec2,
 }
 
 /// Reads a projector.
@@ -68,11 +67,12 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
     Some(Projector { to_world, irradiance, scale, half_size: half_size?.as_vec2() })
 }
 
-impl Projector {
-    pub(super) fn sample_direction(
+impl Light for Projector {
+    fn sample_direction(
         &self,
-        scene: &Scene,
+        scene: &impl SceneView,
         reference: Vec3,
+        _random: Vec2,
     ) -> Option<DirectionSample> {
         let local = self.to_world.inverse_point(reference).try_normalize()?;
         let place = self.place(local)?;
@@ -83,6 +83,24 @@ impl Projector {
         point_sample(self.to_world.point(Vec3::ZERO), intensity, reference)
     }
 
+    /// Places in the picture are uniform. With the picture's area A at distance one, their density in
+    /// solid angle is 1/(A cos³θ), and the intensity E/cos³θ: what is left is E·A.
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        let local = ((1.0 - 2.0 * direction) * self.half_size).extend(1.0);
+        let world = self.to_world.vector(local).try_normalize()?;
+        let area = 4.0 * self.half_size.x * self.half_size.y;
+        let power = self.picture(scene.textures(), direction) * area;
+        let origin = self.to_world.point(Vec3::ZERO);
+        (!power.is_black()).then_some(RaySample { ray: Ray::new(origin, world), power })
+    }
+}
+
+impl Projector {
     /// Where in the picture a unit direction of the projector's space passes, if it does.
     ///
     /// A screen at distance z has the irradiance E/z². At an angle θ from the axis it is r = z/cosθ
@@ -94,7 +112,7 @@ impl Projector {
     }
 
     /// The irradiance at distance one: a white diffuse screen sends back 1/π of it.
-    pub(super) fn picture(&self, textures: Textures<'_>, place: Vec2) -> Spectrum {
+    fn picture(&self, textures: Textures<'_>, place: Vec2) -> Spectrum {
         let surface = SurfaceInteraction::at_uv(place, Frame::from_normal(Vec3::Z));
         self.irradiance.eval(textures, &surface) * (self.scale * PI)
     }

@@ -1,16 +1,17 @@
 //! `spot`: a point that shines into a cone.
 
 use super::point::point_sample;
-use super::{DirectionSample, SAMPLING_WEIGHT};
+use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
 use crate::builder::{Builder, read_transform};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
-use crate::scene::Scene;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::{Fault, Parameters};
-use etendue_math::{Frame, Transform};
+use etendue_math::{Frame, Ray, Transform};
+use etendue_sampling::warp;
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -40,10 +41,10 @@ pub const MANUAL: Manual = Manual {
 /// A spot light. Angles are in radians.
 #[derive(Clone, Debug)]
 pub struct Spot {
-    pub(super) to_world: Transform,
+    to_world: Transform,
     intensity: Spectrum,
     texture: ColorSource,
-    pub(super) cutoff_angle: f32,
+    cutoff_angle: f32,
     beam_width: f32,
 }
 
@@ -67,11 +68,12 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
     })
 }
 
-impl Spot {
-    pub(super) fn sample_direction(
+impl Light for Spot {
+    fn sample_direction(
         &self,
-        scene: &Scene,
+        scene: &impl SceneView,
         reference: Vec3,
+        _random: Vec2,
     ) -> Option<DirectionSample> {
         let local = self.to_world.inverse_point(reference).try_normalize()?;
         let intensity = self.intensity_towards(scene.textures(), local);
@@ -81,8 +83,25 @@ impl Spot {
         point_sample(self.to_world.point(Vec3::ZERO), intensity, reference)
     }
 
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        _place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        let cone = warp::uniform_cone::one_minus_cosine(self.cutoff_angle);
+        let local = warp::uniform_cone::sample(direction, cone);
+        let intensity = self.intensity_towards(scene.textures(), local);
+        let direction = self.to_world.vector(local).try_normalize()?;
+        let origin = self.to_world.point(Vec3::ZERO);
+        let power = intensity * (2.0 * PI * cone);
+        (!power.is_black()).then_some(RaySample { ray: Ray::new(origin, direction), power })
+    }
+}
+
+impl Spot {
     /// The intensity in a unit direction of the light's own space.
-    pub(super) fn intensity_towards(&self, textures: Textures<'_>, local: Vec3) -> Spectrum {
+    fn intensity_towards(&self, textures: Textures<'_>, local: Vec3) -> Spectrum {
         let angle = local.truncate().length().atan2(local.z);
         if angle >= self.cutoff_angle {
             return Spectrum::ZERO;

@@ -3,8 +3,11 @@
 mod model;
 mod position;
 
-use super::{DirectionSample, SAMPLING_WEIGHT, Target};
+use super::{
+    DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, sample_ray_from_afar,
+};
 use crate::builder::{Builder, read_transform};
+use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::texture::ColorSource;
 use etendue_document::{Fault, Parameters};
@@ -186,6 +189,44 @@ fn read_sun_direction(parameters: &Parameters<'_>, to_world: &Transform) -> Opti
     local
 }
 
+impl Light for SunSky {
+    fn is_environment(&self) -> bool {
+        true
+    }
+
+    fn sample_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        random: Vec2,
+    ) -> Option<DirectionSample> {
+        self.sample(random)
+    }
+
+    fn pdf_direction(
+        &self,
+        _scene: &impl SceneView,
+        _reference: Vec3,
+        direction: Vec3,
+        _surface: Option<&SurfaceInteraction>,
+    ) -> f32 {
+        self.pdf(direction)
+    }
+
+    fn distant_radiance(&self, direction: Vec3) -> Spectrum {
+        self.radiance(direction)
+    }
+
+    fn sample_ray(
+        &self,
+        scene: &impl SceneView,
+        place: Vec2,
+        direction: Vec2,
+    ) -> Option<RaySample> {
+        sample_ray_from_afar(self, scene, place, direction)
+    }
+}
+
 impl SunSky {
     /// `None` never happens: the distribution has a floor.
     fn new(
@@ -226,7 +267,7 @@ impl SunSky {
     }
 
     /// Radiance from the unit world direction `direction`.
-    pub(super) fn radiance(&self, direction: Vec3) -> Spectrum {
+    fn radiance(&self, direction: Vec3) -> Spectrum {
         self.local_radiance(self.local(direction))
     }
 
@@ -247,7 +288,8 @@ impl SunSky {
         }
     }
 
-    pub(super) fn sample_direction(&self, random: Vec2) -> Option<DirectionSample> {
+    /// Chooses a direction that light comes from.
+    fn sample(&self, random: Vec2) -> Option<DirectionSample> {
         let local = match &self.sun {
             Some(sun) if random.x < self.sun_probability => {
                 let random = Vec2::new(random.x / self.sun_probability, random.y);
@@ -271,7 +313,8 @@ impl SunSky {
         })
     }
 
-    pub(super) fn pdf_direction(&self, direction: Vec3) -> f32 {
+    /// The density with which [`sample`](Self::sample) chooses a direction.
+    fn pdf(&self, direction: Vec3) -> f32 {
         self.local_pdf(self.local(direction))
     }
 
@@ -412,7 +455,7 @@ mod tests {
             for x in 0..count {
                 for y in 0..count {
                     let random = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / count as f32;
-                    let sample = sky.sample_direction(random).expect("the sun is up");
+                    let sample = sky.sample(random).expect("the sun is up");
                     sum += f64::from(sample.radiance.luminance() / sample.pdf);
                 }
             }

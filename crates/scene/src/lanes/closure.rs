@@ -1,10 +1,10 @@
 //! Closures of several paths at once.
 //!
 //! The materials that nearly all surfaces have are written over any [`Real`]: [`LaneClosure`] is their
-//! mathematics, which a hit alone uses as well. [`ClosureLanes`] holds the closures of up to
-//! [`MAX_LANES`](etendue_math::lanes::MAX_LANES) hits whose materials are of one [`LaneKind`].
+//! mathematics, which a single hit uses as well. [`Columns`] takes their numbers into and out of the
+//! columns that hold the closures of several hits.
 
-use crate::bsdf::{BsdfSample, Closure, Lobe, Transport};
+use crate::scattering::{BsdfSample, Closure, Lobe, Transport};
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
@@ -87,20 +87,91 @@ pub(crate) trait LaneClosure<R: Real> {
     ) -> SampleLanes<R>;
 }
 
-/// Passes the numbers of a closure on, one after the other.
+/// Passes on the numbers of a closure, one after the other.
 pub(crate) trait Transfer<R: Real, T: Real> {
+    /// What takes the place of the tables that a rough coat looks up.
+    type Coat;
+
     /// What a number becomes.
     fn number(&mut self, number: R) -> T;
 
-    /// What a spectrum becomes.
+    /// What the tables of a rough coat become.
+    fn coat(&self) -> Self::Coat;
+}
+
+/// Numbers that are kept in columns: a number, a spectrum, or a closure made of them.
+pub(crate) trait Columns<R: Real>: Sized {
+    /// The same over numbers of another type, and with other tables of coats.
+    type Over<T: Real, C>;
+
+    /// How many numbers it consists of.
+    const COUNT: usize;
+
+    /// The same with its numbers passed on.
+    fn transfer<T: Real, N: Transfer<R, T>>(self, numbers: &mut N) -> Self::Over<T, N::Coat>;
+}
+
+impl<R: Real> Columns<R> for R {
+    type Over<T: Real, C> = T;
+
+    const COUNT: usize = 1;
+
     #[inline(always)]
-    fn spectrum(&mut self, spectrum: SpectrumLanes<R>) -> SpectrumLanes<T> {
-        spectrum.convert(
+    fn transfer<T: Real, N: Transfer<R, T>>(self, numbers: &mut N) -> T {
+        numbers.number(self)
+    }
+}
+
+impl<R: Real> Columns<R> for SpectrumLanes<R> {
+    type Over<T: Real, C> = SpectrumLanes<T>;
+
+    const COUNT: usize = Spectrum::LANES;
+
+    #[inline(always)]
+    fn transfer<T: Real, N: Transfer<R, T>>(self, numbers: &mut N) -> SpectrumLanes<T> {
+        self.convert(
             #[inline(always)]
-            |component| self.number(component),
+            |component| numbers.number(component),
         )
     }
 }
+
+/// How many numbers the field that `_field` returns consists of.
+pub(crate) const fn count<R: Real, S, F: Columns<R>>(_field: fn(&S) -> &F) -> usize {
+    F::COUNT
+}
+
+/// Makes a closure [`Columns`] of all its fields: `columns!(DiffuseClosure { reflectance })`. After a
+/// semicolon comes the field of a rough coat's tables, which are no numbers.
+macro_rules! columns {
+    ($closure:ident { $($field:ident),* }) => {
+        impl<R: Real> $crate::lanes::Columns<R> for $closure<R> {
+            type Over<T: Real, C> = $closure<T>;
+            columns!(@items $closure<T> { $($field),* });
+        }
+    };
+    ($closure:ident { $($field:ident),*; $coat:ident }) => {
+        impl<D, R: Real> $crate::lanes::Columns<R> for $closure<D, R> {
+            type Over<T: Real, C> = $closure<C, T>;
+            columns!(@items $closure<N::Coat, T> { $($field),*; $coat });
+        }
+    };
+    (@items $closure:ident<$($argument:ty),*> { $($field:ident),* $(; $coat:ident)? }) => {
+        const COUNT: usize = 0 $(+ $crate::lanes::count::<R, Self, _>(|closure| &closure.$field))*;
+
+        #[inline(always)]
+        fn transfer<T: Real, N: $crate::lanes::Transfer<R, T>>(
+            self,
+            numbers: &mut N,
+        ) -> $closure<$($argument),*> {
+            $closure {
+                $($field: $crate::lanes::Columns::<R>::transfer(self.$field, numbers),)*
+                $($coat: numbers.coat(),)?
+            }
+        }
+    };
+}
+pub(crate) use columns;
 
 /// What a closure of one hit has beside its [`LaneClosure`]; it is then a [`Closure`].
 pub(crate) trait HitClosure: LaneClosure<f32> {

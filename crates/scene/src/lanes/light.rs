@@ -1,7 +1,6 @@
 //! Light that may arrive at several points at once.
 
 use super::SurfaceLanes;
-use crate::emitter::SHADOW_RAY_LENGTH;
 use etendue_math::lanes::{Mask, Real, Vector3};
 use etendue_math::{RayLanes, offset_origin_lanes};
 use etendue_spectrum::SpectrumLanes;
@@ -82,6 +81,10 @@ impl<R: Real> LightLanes<R> {
 fn either<M: Mask>(mask: M, yes: M, no: M) -> M {
     mask & yes | !mask & no
 }
+
+/// Shadow rays to a surface stop short of it by this share of their length: the distance at which
+/// the surface itself would be hit is known to a few roundings only.
+pub(crate) const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
 
 /// The shadow rays between two points that lie clear of their surfaces.
 #[inline(always)]

@@ -4,7 +4,7 @@
 //! (z > 0), and the microfacet normal `m` too.
 
 use super::erf::{erf_given_exponential, erf_inverse};
-use crate::lanes::Transfer;
+use crate::lanes::{Columns, Transfer};
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use glam::Vec2;
 use std::f32::consts::FRAC_1_PI;
@@ -85,6 +85,19 @@ impl Microfacets {
     }
 }
 
+impl<R: Real> Columns<R> for Microfacets<R> {
+    type Over<T: Real, C> = Microfacets<T>;
+
+    const COUNT: usize = 2;
+
+    #[inline(always)]
+    fn transfer<T: Real, N: Transfer<R, T>>(self, numbers: &mut N) -> Microfacets<T> {
+        let Self { alpha, distribution, sampling } = self;
+        let alpha = Vector2::new(numbers.number(alpha.x), numbers.number(alpha.y));
+        Microfacets { alpha, distribution, sampling }
+    }
+}
+
 impl<R: Real> Microfacets<R> {
     /// The same roughness in all directions along the surface, and visible normals.
     #[inline(always)]
@@ -107,14 +120,6 @@ impl<R: Real> Microfacets<R> {
         // In this order NaN becomes the lower bound.
         let limit = |alpha: R| alpha.max(x.like(MIN_ALPHA)).min(x.like(MAX_ALPHA));
         Self { alpha: Vector2::new(limit(x), limit(y)), ..self }
-    }
-
-    /// The same distribution with its numbers passed on, in lanes or out of them.
-    #[inline(always)]
-    pub(crate) fn transfer<T: Real>(self, numbers: &mut impl Transfer<R, T>) -> Microfacets<T> {
-        let Self { alpha, distribution, sampling } = self;
-        let alpha = Vector2::new(numbers.number(alpha.x), numbers.number(alpha.y));
-        Microfacets { alpha, distribution, sampling }
     }
 
     /// Which normals [`sample`](Self::sample) chooses from.

@@ -1,12 +1,14 @@
 //! `blendphase`: a mixture of two phase functions.
 
-use super::{MediumInteraction, PhaseFunction, PhaseSample};
+use super::{MediumInteraction, PhaseFunction, PhaseModel, PhaseSample};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use crate::volume::Volume;
+use crate::volume::gridvolume::GridVolume;
 use etendue_document::{Class, Fault, Parameters};
 use etendue_spectrum::SpectrumUse;
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -63,55 +65,66 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
 
 impl Blend {
     #[inline]
-    fn shares(&self, site: &MediumInteraction) -> [f32; 2] {
-        let second = self.weight.eval_scalar(site.point);
+    fn shares(&self, interaction: &MediumInteraction) -> [f32; 2] {
+        let second = self.weight.eval_scalar(interaction.point);
         // A weight that is not a number counts as none.
         let second = if second > 0.0 { second.min(1.0) } else { 0.0 };
         [1.0 - second, second]
     }
+}
 
-    pub(super) fn eval(&self, site: &MediumInteraction, wo: Vec3) -> f32 {
-        let shares = self.shares(site);
-        self.parts.iter().zip(shares).map(|(phase, share)| share * phase.eval(site, wo)).sum()
+impl PhaseModel for Blend {
+    fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32 {
+        let shares = self.shares(interaction);
+        self.parts
+            .iter()
+            .zip(shares)
+            .map(|(phase, share)| share * phase.eval(interaction, wo))
+            .sum()
     }
 
-    pub(super) fn sample(
+    fn sample(
         &self,
-        site: &MediumInteraction,
+        interaction: &MediumInteraction,
         part: f32,
         direction: Vec2,
     ) -> Option<PhaseSample> {
-        let shares = self.shares(site);
+        let shares = self.shares(interaction);
         let second = part < shares[1];
         let (phase, part) = if second {
             (&self.parts[1], part / shares[1])
         } else {
             (&self.parts[0], (part - shares[1]) / shares[0])
         };
-        let sample = phase.sample(site, part.min(1.0 - f32::EPSILON), direction)?;
-        Some(PhaseSample { pdf: self.eval(site, sample.wo), ..sample })
+        let sample = phase.sample(interaction, part.min(1.0 - f32::EPSILON), direction)?;
+        Some(PhaseSample { pdf: self.eval(interaction, sample.wo), ..sample })
     }
 
-    pub(super) fn projected_area(&self, site: &MediumInteraction) -> f32 {
-        let shares = self.shares(site);
-        self.parts.iter().zip(shares).map(|(phase, share)| share * phase.projected_area(site)).sum()
+    fn projected_area(&self, interaction: &MediumInteraction) -> f32 {
+        let shares = self.shares(interaction);
+        self.parts
+            .iter()
+            .zip(shares)
+            .map(|(phase, share)| share * phase.projected_area(interaction))
+            .sum()
     }
 
-    pub(super) fn greatest_area(&self) -> f32 {
+    fn greatest_area(&self) -> f32 {
         self.parts.iter().map(PhaseFunction::greatest_area).fold(0.0, f32::max)
     }
 
-    pub(super) fn has_uniform_area(&self) -> bool {
+    fn is_uniform(&self) -> bool {
         let has_one_weight = self.weight.as_constant().is_some();
         self.parts.iter().all(PhaseFunction::is_uniform)
             && (has_one_weight || self.parts.iter().all(PhaseFunction::shows_one_area))
     }
 
-    pub(super) fn parts(&self) -> &[PhaseFunction; 2] {
-        &self.parts
+    fn shows_one_area(&self) -> bool {
+        self.parts.iter().all(PhaseFunction::shows_one_area)
     }
 
-    pub(super) fn weight(&self) -> &Volume {
-        &self.weight
+    fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
+        grids.extend(self.weight.grid());
+        self.parts.iter().for_each(|part| part.collect_grids(grids));
     }
 }

@@ -1,10 +1,10 @@
 //! `hg`: the phase function of Henyey and Greenstein.
 
-use super::{MediumInteraction, PhaseSample, deflected};
+use super::{MediumInteraction, PhaseModel, PhaseSample, deflected, forwardness};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// The manual page.
@@ -37,20 +37,20 @@ pub fn build(_builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<
     None
 }
 
-impl HenyeyGreenstein {
-    /// The density of directions at a cosine of the scattering angle.
+impl PhaseModel for HenyeyGreenstein {
     #[inline]
-    pub(super) fn eval(&self, cosine: f32) -> f32 {
-        let g = self.g;
-        // 1 + g² − 2 g cos θ, as a sum that cancels nowhere: peaks of g near 1 need the digits.
-        let apart = 1.0 - g.abs();
-        let square = apart * apart + 2.0 * (g.abs() - g * cosine).max(0.0);
-        0.25 / PI * (1.0 - g) * (1.0 + g) / (square * square.sqrt())
+    fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32 {
+        self.density(forwardness(interaction, wo))
     }
 
-    /// Chooses a direction by inverting the distribution of the cosine.
+    /// Inverts the distribution of the cosine.
     #[inline]
-    pub(super) fn sample(&self, site: &MediumInteraction, direction: Vec2) -> PhaseSample {
+    fn sample(
+        &self,
+        interaction: &MediumInteraction,
+        _part: f32,
+        direction: Vec2,
+    ) -> Option<PhaseSample> {
         let g = self.g;
         let cosine = if g.abs() < 1e-3 {
             // The inverse to first order in g, whose closed form divides by it.
@@ -61,6 +61,19 @@ impl HenyeyGreenstein {
             (1.0 + g * g - ratio * ratio) / (2.0 * g)
         };
         let cosine = cosine.clamp(-1.0, 1.0);
-        PhaseSample { wo: deflected(site, cosine, direction.y), pdf: self.eval(cosine) }
+        let wo = deflected(interaction, cosine, direction.y);
+        Some(PhaseSample { wo, pdf: self.density(cosine) })
+    }
+}
+
+impl HenyeyGreenstein {
+    /// The density of directions at a cosine of the scattering angle.
+    #[inline]
+    fn density(&self, cosine: f32) -> f32 {
+        let g = self.g;
+        // 1 + g² − 2 g cos θ, as a sum that cancels nowhere: peaks of g near 1 need the digits.
+        let apart = 1.0 - g.abs();
+        let square = apart * apart + 2.0 * (g.abs() - g * cosine).max(0.0);
+        0.25 / PI * (1.0 - g) * (1.0 + g) / (square * square.sqrt())
     }
 }

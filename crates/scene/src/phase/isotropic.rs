@@ -1,11 +1,11 @@
 //! `isotropic`: scattering without memory of where light came from.
 
-use super::{PhaseFunction, PhaseSample};
+use super::{MediumInteraction, PhaseModel, PhaseSample};
 use crate::builder::Builder;
 use crate::manual::Manual;
 use etendue_document::Parameters;
 use etendue_sampling::warp;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// The manual page.
@@ -16,16 +16,31 @@ pub const MANUAL: Manual = Manual {
 };
 
 /// The density of every direction.
-pub(super) const DENSITY: f32 = 0.25 / PI;
+const DENSITY: f32 = 0.25 / PI;
+
+/// The same in all directions.
+#[derive(Clone, Copy, Debug)]
+pub struct Isotropic;
 
 /// Reads the parameters: there are none.
 #[must_use]
-pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<PhaseFunction> {
-    Some(PhaseFunction::Isotropic)
+pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<Isotropic> {
+    Some(Isotropic)
 }
 
-/// Any direction.
-#[inline]
-pub(super) fn sample(direction: Vec2) -> PhaseSample {
-    PhaseSample { wo: warp::uniform_sphere::sample(direction), pdf: DENSITY }
+impl PhaseModel for Isotropic {
+    #[inline]
+    fn eval(&self, _interaction: &MediumInteraction, _wo: Vec3) -> f32 {
+        DENSITY
+    }
+
+    #[inline]
+    fn sample(
+        &self,
+        _interaction: &MediumInteraction,
+        _part: f32,
+        direction: Vec2,
+    ) -> Option<PhaseSample> {
+        Some(PhaseSample { wo: warp::uniform_sphere::sample(direction), pdf: DENSITY })
+    }
 }

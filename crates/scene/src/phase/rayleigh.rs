@@ -1,10 +1,10 @@
 //! `rayleigh`: scattering by particles much smaller than the wavelength.
 
-use super::{MediumInteraction, PhaseFunction, PhaseSample, deflected};
+use super::{MediumInteraction, PhaseModel, PhaseSample, deflected, forwardness};
 use crate::builder::Builder;
 use crate::manual::Manual;
 use etendue_document::Parameters;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 /// The manual page.
@@ -15,26 +15,42 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<phase type="rayleigh"/>"#,
 };
 
+/// Rayleigh's, of particles much smaller than the wavelength.
+#[derive(Clone, Copy, Debug)]
+pub struct Rayleigh;
+
 /// Reads the parameters: there are none.
 #[must_use]
-pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<PhaseFunction> {
-    Some(PhaseFunction::Rayleigh)
+pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<Rayleigh> {
+    Some(Rayleigh)
 }
 
 /// The density of directions at a cosine of the scattering angle: 3 (1 + cos² θ) / 16π.
 #[inline]
-pub(super) fn eval(cosine: f32) -> f32 {
+fn density(cosine: f32) -> f32 {
     3.0 / (16.0 * PI) * (1.0 + cosine * cosine)
 }
 
-/// Chooses a direction by inverting the distribution of the cosine, a cubic in c = cos θ:
-/// c³ + 3 c = 4 (2 u − 1), by Cardano (Frisvad, "Importance sampling the Rayleigh phase function",
-/// *JOSA A* 28(12), 2011).
-#[inline]
-pub(super) fn sample(site: &MediumInteraction, direction: Vec2) -> PhaseSample {
-    let half = 2.0 * (2.0 * direction.x - 1.0);
-    // The root with the sum in it does not cancel; the other is −1 over it.
-    let root = (half.abs() + (half * half + 1.0).sqrt()).cbrt();
-    let cosine = (root - root.recip()).copysign(half).clamp(-1.0, 1.0);
-    PhaseSample { wo: deflected(site, cosine, direction.y), pdf: eval(cosine) }
+impl PhaseModel for Rayleigh {
+    #[inline]
+    fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32 {
+        density(forwardness(interaction, wo))
+    }
+
+    /// Inverts the distribution of the cosine, a cubic in c = cos θ: c³ + 3 c = 4 (2 u − 1), by Cardano
+    /// (Frisvad, "Importance sampling the Rayleigh phase function", *JOSA A* 28(12), 2011).
+    #[inline]
+    fn sample(
+        &self,
+        interaction: &MediumInteraction,
+        _part: f32,
+        direction: Vec2,
+    ) -> Option<PhaseSample> {
+        let half = 2.0 * (2.0 * direction.x - 1.0);
+        // The root with the sum in it does not cancel; the other is −1 over it.
+        let root = (half.abs() + (half * half + 1.0).sqrt()).cbrt();
+        let cosine = (root - root.recip()).copysign(half).clamp(-1.0, 1.0);
+        let wo = deflected(interaction, cosine, direction.y);
+        Some(PhaseSample { wo, pdf: density(cosine) })
+    }
 }

@@ -1,6 +1,6 @@
 //! `sggx`: a cloud of microflakes, whose normals are spread as those of an ellipsoid.
 
-use super::{MediumInteraction, PhaseSample};
+use super::{MediumInteraction, PhaseModel, PhaseSample};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use crate::volume::Volume;
@@ -128,37 +128,48 @@ impl Sggx {
             Matrices::Grid(grid) => matrix(grid.eval_six(point)),
         }
     }
+}
 
+impl PhaseModel for Sggx {
     /// The area that flakes show to a direction: √(ωᵀ S ω), equation 10.
     #[inline]
-    pub(super) fn projected_area(&self, site: &MediumInteraction) -> f32 {
-        area(&self.matrix_at(site.point), site.wi)
+    fn projected_area(&self, interaction: &MediumInteraction) -> f32 {
+        area(&self.matrix_at(interaction.point), interaction.wi)
     }
 
-    pub(super) fn greatest_area(&self) -> f32 {
+    fn greatest_area(&self) -> f32 {
         self.greatest_area
     }
 
-    pub(super) fn is_uniform(&self) -> bool {
-        self.grid().is_none()
+    fn is_uniform(&self) -> bool {
+        matches!(self.matrices, Matrices::Uniform(_))
     }
 
-    pub(super) fn grid(&self) -> Option<&Arc<GridVolume>> {
+    fn shows_one_area(&self) -> bool {
+        false
+    }
+
+    fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
         match &self.matrices {
-            Matrices::Uniform(_) => None,
-            Matrices::Grid(grid) => Some(grid),
+            Matrices::Uniform(_) => {}
+            Matrices::Grid(grid) => grids.push(grid),
         }
     }
 
     /// The density of `wo`: D(h) / 4 σ(wi), equation 14.
-    pub(super) fn eval(&self, site: &MediumInteraction, wo: Vec3) -> f32 {
-        density(&self.matrix_at(site.point), site.wi, wo)
+    fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32 {
+        density(&self.matrix_at(interaction.point), interaction.wi, wo)
     }
 
     /// Chooses a flake that `wi` sees, and mirrors the path at it (section 4.3).
-    pub(super) fn sample(&self, site: &MediumInteraction, direction: Vec2) -> Option<PhaseSample> {
-        let s = self.matrix_at(site.point);
-        let frame = Frame::from_normal(site.wi);
+    fn sample(
+        &self,
+        interaction: &MediumInteraction,
+        _part: f32,
+        direction: Vec2,
+    ) -> Option<PhaseSample> {
+        let s = self.matrix_at(interaction.point);
+        let frame = Frame::from_normal(interaction.wi);
         let axes = Mat3::from_cols(frame.s, frame.t, frame.n);
         let local = axes.transpose() * s * axes;
         // The columns of Cholesky's factor, with `wi` as the first axis: they take the hemisphere
@@ -170,8 +181,8 @@ impl Sggx {
         let seen = warp::cosine_hemisphere::sample(direction);
         let normal = to_wi * seen.z + to_side * seen.y + Vec3::X * (last * seen.x);
         let normal = frame.to_world(normal).try_normalize()?;
-        let wo = (2.0 * site.wi.dot(normal) * normal - site.wi).try_normalize()?;
-        let pdf = density(&s, site.wi, wo);
+        let wo = (2.0 * interaction.wi.dot(normal) * normal - interaction.wi).try_normalize()?;
+        let pdf = density(&s, interaction.wi, wo);
         (pdf > 0.0 && pdf.is_finite()).then_some(PhaseSample { wo, pdf })
     }
 }

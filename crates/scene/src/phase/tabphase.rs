@@ -1,11 +1,11 @@
 //! `tabphase`: a phase function from a table.
 
-use super::{MediumInteraction, PhaseSample, deflected};
+use super::{MediumInteraction, PhaseModel, PhaseSample, deflected, forwardness};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
 use etendue_sampling::warp;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// The manual page.
@@ -73,7 +73,7 @@ impl Tabulated {
     }
 
     /// The density of directions at a cosine of the scattering angle.
-    pub(super) fn eval(&self, cosine: f32) -> f32 {
+    fn density(&self, cosine: f32) -> f32 {
         let intervals = self.densities.len() - 1;
         let place = 0.5 * (cosine.clamp(-1.0, 1.0) + 1.0) * intervals as f32;
         let index = (place as usize).min(intervals - 1);
@@ -81,9 +81,20 @@ impl Tabulated {
         let (low, high) = (self.densities[index], self.densities[index + 1]);
         (low + share * (high - low)) / TAU
     }
+}
 
-    /// Chooses a direction by inverting the distribution of the cosine.
-    pub(super) fn sample(&self, site: &MediumInteraction, direction: Vec2) -> PhaseSample {
+impl PhaseModel for Tabulated {
+    fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32 {
+        self.density(forwardness(interaction, wo))
+    }
+
+    /// Inverts the distribution of the cosine.
+    fn sample(
+        &self,
+        interaction: &MediumInteraction,
+        _part: f32,
+        direction: Vec2,
+    ) -> Option<PhaseSample> {
         let intervals = self.densities.len() - 1;
         let above = self.cumulative.partition_point(|below| *below <= direction.x);
         let index = above.clamp(1, intervals) - 1;
@@ -91,6 +102,7 @@ impl Tabulated {
         let rest = ((direction.x - below) / (end - below)).clamp(0.0, 1.0);
         let share = warp::linear::sample(rest, self.densities[index], self.densities[index + 1]);
         let cosine = (2.0 * (index as f32 + share) / intervals as f32 - 1.0).clamp(-1.0, 1.0);
-        PhaseSample { wo: deflected(site, cosine, direction.y), pdf: self.eval(cosine) }
+        let wo = deflected(interaction, cosine, direction.y);
+        Some(PhaseSample { wo, pdf: self.density(cosine) })
     }
 }

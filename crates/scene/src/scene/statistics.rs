@@ -53,19 +53,10 @@ impl Scene {
             ..SceneStatistics::default()
         };
         for shape in &self.shapes {
-            match &shape.geometry {
-                Geometry::Mesh(mesh) => {
-                    statistics.triangles += mesh.triangles().len();
-                    statistics.mesh_bytes += mesh.memory_bytes();
-                }
-                Geometry::RevSurface(surface) => statistics.mesh_bytes += surface.memory_bytes(),
-                Geometry::LinearCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
-                Geometry::BSplineCurve(curve) => statistics.mesh_bytes += curve.memory_bytes(),
-                Geometry::SdfGrid(grid) => statistics.mesh_bytes += grid.memory_bytes(),
-                Geometry::Ellipsoids(cloud) => statistics.mesh_bytes += cloud.memory_bytes(),
-                Geometry::EllipsoidsMesh(cloud) => statistics.mesh_bytes += cloud.memory_bytes(),
-                Geometry::Sphere(_) | Geometry::Disk(_) | Geometry::Cylinder(_) => {}
+            if let Geometry::Mesh(mesh) = &shape.geometry {
+                statistics.triangles += mesh.triangles().len();
             }
+            statistics.mesh_bytes += shape.geometry.memory_bytes();
         }
         for emitter in &self.emitters {
             *statistics.emitters.entry(emitter.kind()).or_default() += 1;

@@ -1,11 +1,13 @@
 //! `batch`: several sensors side by side on one film.
 
-use super::{FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, Sensor, SensorCommon};
+use super::{
+    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, Sensor, SensorCommon, SensorModel, SensorRay,
+};
 use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Class, Fault, Parameters};
-use etendue_math::Transform;
+use etendue_math::{Bounds3, Transform};
 use glam::{UVec2, Vec2};
 
 /// The manual page.
@@ -31,9 +33,9 @@ pub const MANUAL: Manual = Manual {
 /// Several sensors.
 #[derive(Clone, Debug)]
 pub struct Batch {
-    pub(crate) common: SensorCommon,
+    common: SensorCommon,
     /// One or more, from the left.
-    pub(crate) sensors: Vec<Sensor>,
+    sensors: Vec<Sensor>,
 }
 
 /// Reads the sensors.
@@ -63,9 +65,29 @@ pub fn build(
     Some(Batch { common, sensors: sensors? })
 }
 
+impl SensorModel for Batch {
+    fn common(&self) -> &SensorCommon {
+        &self.common
+    }
+
+    fn has_lens(&self) -> bool {
+        self.sensors.iter().any(Sensor::has_lens)
+    }
+
+    #[cold]
+    fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> Option<SensorRay> {
+        let (sensor, film_position) = self.at(film_position)?;
+        Some(sensor.sample_ray(film_position, aperture))
+    }
+
+    fn set_bounds(&mut self, bounds: &Bounds3) {
+        self.sensors.iter_mut().for_each(|sensor| sensor.set_bounds(bounds));
+    }
+}
+
 impl Batch {
     /// The sensor at a place on the film, and the place on its own part of it.
-    pub(crate) fn at(&self, film_position: Vec2) -> Option<(&Sensor, Vec2)> {
+    fn at(&self, film_position: Vec2) -> Option<(&Sensor, Vec2)> {
         let scaled = film_position.x * self.sensors.len() as f32;
         // What a filter reaches beyond the film belongs to the sensor at its edge.
         let index = (scaled.max(0.0) as usize).min(self.sensors.len() - 1);

@@ -1,14 +1,15 @@
 //! `distant`: what leaves the scene in one direction.
 
 use super::{
-    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorRay, read_view,
-    warn_of_pixels,
+    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorModel, SensorRay,
+    read_view, warn_of_pixels,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
-use crate::registry;
+use crate::plugin::find;
+use crate::shape;
 use crate::shape::Shape;
 use etendue_document::{Class, Fault, Parameters};
 use etendue_math::{Bounds3, Frame, Ray};
@@ -85,23 +86,24 @@ fn read_target(builder: &Builder<'_>, parameters: &Parameters<'_>) -> Option<Tar
         return None;
     }
     let shape = builder.parameters(child.node);
-    let build = registry::find(registry::SHAPES, &shape)?;
+    let build = find(shape::SHAPES, &shape)?;
     let mut geometry = build(builder.assets, &shape)?;
     geometry.prepare_sampling();
     let shape = Shape { geometry, material: MaterialId(0), emitter: None };
     Some(Target::Shape(Box::new(shape)))
 }
 
-impl Distant {
-    /// Tells the sensor how large the scene is.
-    pub(crate) fn set_bounds(&mut self, bounds: &Bounds3) {
-        if !bounds.is_empty() {
-            let (centre, radius) = bounds.bounding_sphere();
-            (self.centre, self.radius) = (centre, radius * MARGIN);
-        }
+impl SensorModel for Distant {
+    fn common(&self) -> &SensorCommon {
+        &self.common
     }
 
-    pub(crate) fn ray(&self, aperture: Vec2) -> Option<SensorRay> {
+    fn has_lens(&self) -> bool {
+        true
+    }
+
+    #[cold]
+    fn sample_ray(&self, _film_position: Vec2, aperture: Vec2) -> Option<SensorRay> {
         let to_world = &self.common.to_world;
         let direction = to_world.vector(Vec3::Z).try_normalize()?;
         let (origin, weight) = match &self.target {
@@ -118,5 +120,13 @@ impl Distant {
             }
         };
         Some(SensorRay { ray: Ray::new(origin, direction), weight })
+    }
+
+    /// Tells the sensor how large the scene is.
+    fn set_bounds(&mut self, bounds: &Bounds3) {
+        if !bounds.is_empty() {
+            let (centre, radius) = bounds.bounding_sphere();
+            (self.centre, self.radius) = (centre, radius * MARGIN);
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! `irradiancemeter`: what arrives on a shape.
 
 use super::{
-    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorRay, warn_of_pixels,
+    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorModel, SensorRay,
+    warn_of_pixels,
 };
 use crate::film::FilmSpec;
 use crate::ids::MaterialId;
@@ -48,10 +49,19 @@ pub fn build(
     Some(Irradiancemeter { common, shape })
 }
 
-impl Irradiancemeter {
+impl SensorModel for Irradiancemeter {
+    fn common(&self) -> &SensorCommon {
+        &self.common
+    }
+
+    fn has_lens(&self) -> bool {
+        true
+    }
+
     /// A ray from a uniform point of the shape, in proportion to the cosine: what arrives along it
     /// counts π.
-    pub(crate) fn ray(&self, place: Vec2, direction: Vec2) -> Option<SensorRay> {
+    #[cold]
+    fn sample_ray(&self, place: Vec2, direction: Vec2) -> Option<SensorRay> {
         let sample = self.shape.sample_area(place - place.floor())?;
         let local = warp::cosine_hemisphere::sample(direction);
         let direction = Frame::from_normal(sample.normal).to_world(local);

@@ -2,7 +2,7 @@
 
 use super::{
     Connection, FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
-    TO_WORLD,
+    SensorModel, SensorRay, TO_WORLD,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
@@ -49,6 +49,44 @@ pub fn build(
     Some(Orthographic::new(SensorCommon::read(parameters)?, film.aspect()))
 }
 
+impl SensorModel for Orthographic {
+    fn common(&self) -> &SensorCommon {
+        &self.common
+    }
+
+    #[inline]
+    fn sample_ray(&self, film_position: Vec2, _aperture: Vec2) -> Option<SensorRay> {
+        Some(SensorRay { ray: self.ray(film_position), weight: 1.0 })
+    }
+
+    /// The reverse of [`Self::ray`]: light that leaves along the view shows, on a film whose unit square
+    /// covers a rectangle of the scene.
+    fn connect(&self, point: Vec3, _aperture: Vec2) -> Option<Connection> {
+        let local = self.common.to_world.inverse_point(point);
+        let (near, far) = (self.common.near_clip, self.common.far_clip);
+        let film_position =
+            Vec2::new(0.5 - 0.5 * local.x, 0.5 - 0.5 * local.y * self.aspect as f32);
+        (near..=far).contains(&local.z).then(|| Connection {
+            film_position,
+            direction: -self.direction,
+            distance: (local.z - near) / (far - near) * self.length,
+            importance: 1.0 / self.across.cross(self.down).length(),
+        })
+    }
+
+    /// Camera space to the film, z being 0 at the near and 1 at the far plane.
+    fn projection(&self) -> DMat4 {
+        let near = f64::from(self.common.near_clip);
+        let depth = f64::from(self.common.far_clip) - near;
+        DMat4::from_cols(
+            DVec4::new(-0.5, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, -0.5 * self.aspect, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, 1.0 / depth, 0.0),
+            DVec4::new(0.5, 0.5, -near / depth, 1.0),
+        )
+    }
+}
+
 impl Orthographic {
     fn new(common: SensorCommon, aspect: f64) -> Self {
         let matrix = common.matrix();
@@ -66,35 +104,8 @@ impl Orthographic {
     }
 
     #[inline]
-    pub(crate) fn ray(&self, film_position: Vec2) -> Ray {
+    fn ray(&self, film_position: Vec2) -> Ray {
         let origin = self.corner + self.across * film_position.x + self.down * film_position.y;
         Ray::segment(origin, self.direction, self.length)
-    }
-
-    /// The reverse of [`Self::ray`]: light that leaves along the view shows, on a film whose unit square
-    /// covers a rectangle of the scene.
-    pub(crate) fn connect(&self, point: Vec3) -> Option<Connection> {
-        let local = self.common.to_world.inverse_point(point);
-        let (near, far) = (self.common.near_clip, self.common.far_clip);
-        let film_position =
-            Vec2::new(0.5 - 0.5 * local.x, 0.5 - 0.5 * local.y * self.aspect as f32);
-        (near..=far).contains(&local.z).then(|| Connection {
-            film_position,
-            direction: -self.direction,
-            distance: (local.z - near) / (far - near) * self.length,
-            importance: 1.0 / self.across.cross(self.down).length(),
-        })
-    }
-
-    /// Camera space to the film, z being 0 at the near and 1 at the far plane.
-    pub(crate) fn projection(&self) -> DMat4 {
-        let near = f64::from(self.common.near_clip);
-        let depth = f64::from(self.common.far_clip) - near;
-        DMat4::from_cols(
-            DVec4::new(-0.5, 0.0, 0.0, 0.0),
-            DVec4::new(0.0, -0.5 * self.aspect, 0.0, 0.0),
-            DVec4::new(0.0, 0.0, 1.0 / depth, 0.0),
-            DVec4::new(0.5, 0.5, -near / depth, 1.0),
-        )
     }
 }

@@ -1,7 +1,8 @@
 //! `perspective`: a pinhole camera.
 
 use super::{
-    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, TO_WORLD,
+    FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
+    SensorModel, SensorRay, TO_WORLD,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
@@ -84,6 +85,28 @@ pub fn build(
     Some(Perspective::new(common, View { half_size, shift }))
 }
 
+impl SensorModel for Perspective {
+    fn common(&self) -> &SensorCommon {
+        &self.common
+    }
+
+    #[inline]
+    fn sample_ray(&self, film_position: Vec2, _aperture: Vec2) -> Option<SensorRay> {
+        Some(SensorRay { ray: self.ray(film_position), weight: 1.0 })
+    }
+
+    /// The reverse of [`Self::ray`].
+    fn connect(&self, point: Vec3, _aperture: Vec2) -> Option<Connection> {
+        let local = self.common.to_world.inverse_point(point);
+        let (film_position, importance) = pinhole(&self.view, local, local.truncate() / local.z)?;
+        self.common.connection(point, (self.origin, local.z), (film_position, importance))
+    }
+
+    fn projection(&self) -> DMat4 {
+        self.view.projection(&self.common)
+    }
+}
+
 impl Perspective {
     fn new(common: SensorCommon, view: View) -> Self {
         let origin = common.to_world.point(Vec3::ZERO);
@@ -91,7 +114,7 @@ impl Perspective {
     }
 
     #[inline]
-    pub(crate) fn ray(&self, film_position: Vec2) -> Ray {
+    fn ray(&self, film_position: Vec2) -> Ray {
         self.ray_lanes::<f32>(film_position.into()).into()
     }
 
@@ -113,7 +136,7 @@ impl Perspective {
 
     /// Appends [`Self::ray`] of each film position.
     #[inline(always)]
-    pub(crate) fn rays<S: Simd>(&self, simd: S, film_positions: &[Vec2], rays: &mut Vec<Ray>) {
+    pub(super) fn rays<S: Simd>(&self, simd: S, film_positions: &[Vec2], rays: &mut Vec<Ray>) {
         for positions in film_positions.chunks(Lanes::<S>::COUNT) {
             let coordinate = |axis: usize| {
                 let at = |lane: usize| positions[lane.min(positions.len() - 1)][axis];
@@ -122,16 +145,5 @@ impl Perspective {
             let lanes = self.ray_lanes(Vector2::new(coordinate(0), coordinate(1)));
             rays.extend((0..positions.len()).map(|lane| lanes.lane(lane)));
         }
-    }
-
-    /// The reverse of [`Self::ray`].
-    pub(crate) fn connect(&self, point: Vec3) -> Option<Connection> {
-        let local = self.common.to_world.inverse_point(point);
-        let (film_position, importance) = pinhole(&self.view, local, local.truncate() / local.z)?;
-        self.common.connection(point, (self.origin, local.z), (film_position, importance))
-    }
-
-    pub(crate) fn projection(&self) -> DMat4 {
-        self.view.projection(&self.common)
     }
 }

@@ -1,14 +1,15 @@
 //! `radiancemeter`: one ray.
 
 use super::{
-    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, read_view, warn_of_pixels,
+    FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorModel, SensorRay,
+    read_view, warn_of_pixels,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
 use etendue_math::Ray;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -49,8 +50,19 @@ pub fn build(
     Some(Radiancemeter { common: SensorCommon::without_planes(parameters, to_world)? })
 }
 
+impl SensorModel for Radiancemeter {
+    fn common(&self) -> &SensorCommon {
+        &self.common
+    }
+
+    #[cold]
+    fn sample_ray(&self, _film_position: Vec2, _aperture: Vec2) -> Option<SensorRay> {
+        Some(SensorRay { ray: self.ray(), weight: 1.0 })
+    }
+}
+
 impl Radiancemeter {
-    pub(crate) fn ray(&self) -> Ray {
+    fn ray(&self) -> Ray {
         let to_world = &self.common.to_world;
         Ray::new(to_world.point(Vec3::ZERO), to_world.vector(Vec3::Z).normalize_or(Vec3::Z))
     }

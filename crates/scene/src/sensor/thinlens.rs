@@ -2,7 +2,7 @@
 
 use super::{
     FAR_CLIP, FILM, MAX_VALUE, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
-    TO_WORLD,
+    SensorModel, SensorRay, TO_WORLD,
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
@@ -106,6 +106,38 @@ struct Lens {
     focus_distance: f64,
 }
 
+impl SensorModel for ThinLens {
+    fn common(&self) -> &SensorCommon {
+        &self.common
+    }
+
+    fn has_lens(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> Option<SensorRay> {
+        Some(SensorRay { ray: self.ray(film_position, aperture), weight: 1.0 })
+    }
+
+    /// The reverse of [`Self::ray`].
+    fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
+        let local = self.common.to_world.inverse_point(point);
+        let disk = warp::concentric_disk::sample(aperture);
+        let lens = (disk * self.lens.radius as f32).extend(0.0);
+        let path = local - lens;
+        // The film shows what lies in focus, at this share of the focus distance.
+        let focus = lens.truncate() / self.lens.focus_distance as f32 + path.truncate() / path.z;
+        let (film_position, importance) = pinhole(&self.view, path, focus)?;
+        let origin = self.centre + self.aperture[0] * disk.x + self.aperture[1] * disk.y;
+        self.common.connection(point, (origin, path.z), (film_position, importance))
+    }
+
+    fn projection(&self) -> DMat4 {
+        self.view.projection(&self.common)
+    }
+}
+
 impl ThinLens {
     fn new(common: SensorCommon, view: View, lens: Lens) -> Self {
         let matrix = common.matrix();
@@ -123,7 +155,7 @@ impl ThinLens {
     }
 
     #[inline]
-    pub(crate) fn ray(&self, film_position: Vec2, aperture: Vec2) -> Ray {
+    fn ray(&self, film_position: Vec2, aperture: Vec2) -> Ray {
         let point = warp::concentric_disk::sample(aperture);
         let from_centre = self.aperture[0] * point.x + self.aperture[1] * point.y;
         // Every ray of a film position meets the pinhole's ray at the focus distance.
@@ -135,22 +167,5 @@ impl ThinLens {
             direction / length,
             self.plane.length * length,
         )
-    }
-
-    /// The reverse of [`Self::ray`].
-    pub(crate) fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
-        let local = self.common.to_world.inverse_point(point);
-        let disk = warp::concentric_disk::sample(aperture);
-        let lens = (disk * self.lens.radius as f32).extend(0.0);
-        let path = local - lens;
-        // The film shows what lies in focus, at this share of the focus distance.
-        let focus = lens.truncate() / self.lens.focus_distance as f32 + path.truncate() / path.z;
-        let (film_position, importance) = pinhole(&self.view, path, focus)?;
-        let origin = self.centre + self.aperture[0] * disk.x + self.aperture[1] * disk.y;
-        self.common.connection(point, (origin, path.z), (film_position, importance))
-    }
-
-    pub(crate) fn projection(&self) -> DMat4 {
-        self.view.projection(&self.common)
     }
 }

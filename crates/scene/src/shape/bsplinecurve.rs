@@ -1,9 +1,10 @@
 //! `bsplinecurve`: round tubes along cubic B-splines.
 
-use super::SurfacePoint;
+use super::{ShapeModel, SurfacePoint};
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use crate::models::curve_file::{self, Curves};
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
@@ -178,6 +179,33 @@ fn normal(radial: DVec3, derivative: DVec4, second: DVec4, radius: f64) -> DVec3
     let along = derivative.truncate();
     let stretch = along.length_squared() - radial.dot(second.truncate());
     radial * stretch - along * (derivative.w * radius)
+}
+
+impl ShapeModel for BSplineCurve {
+    fn bounds(&self) -> Bounds3 {
+        super::union(self.boxes())
+    }
+
+    fn primitive_boxes(&self) -> Vec<Bounds3> {
+        self.boxes()
+    }
+
+    fn primitive_count(&self) -> usize {
+        self.segment_count()
+    }
+
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let (t, s) = self.intersect(primitive, ray)?;
+        Some(PrimitiveHit { t, u: s, v: 0.0 })
+    }
+
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(hit.primitive, ray, (hit.t, hit.u))
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
+    }
 }
 
 impl BSplineCurve {

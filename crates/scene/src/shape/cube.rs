@@ -1,5 +1,6 @@
 //! `cube`: twelve triangles.
 
+use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use crate::models::mesh::{Mesh, MeshOptions};
 use etendue_document::Parameters;
@@ -19,7 +20,7 @@ pub const MANUAL: Manual = Manual {
 
 /// Reads a cube.
 #[must_use]
-pub fn build(parameters: &Parameters<'_>) -> Option<Mesh> {
+pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
     let flip_normals = parameters.boolean("flip_normals", false);
     let to_world = crate::builder::read_transform(parameters, "to_world")?;
     Mesh::new(unit_cube(), &MeshOptions::placement(to_world, flip_normals)).ok()

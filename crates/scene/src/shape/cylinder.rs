@@ -1,8 +1,9 @@
 //! `cylinder`: a tube without caps.
 
-use super::{ShapeSample, SurfacePoint};
-use crate::builder::read_transform;
+use super::{ShapeModel, ShapeSample, SurfacePoint};
+use crate::builder::{Assets, read_transform};
 use crate::manual::{Manual, parameter};
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Fault, Parameters};
 use etendue_math::polynomial::quadratic_roots;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
@@ -40,7 +41,7 @@ pub struct Cylinder {
 
 /// Reads a cylinder.
 #[must_use]
-pub fn build(parameters: &Parameters<'_>) -> Option<Cylinder> {
+pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Cylinder> {
     let p0 = parameters.point("p0", DVec3::ZERO);
     let p1 = parameters.point("p1", DVec3::Z);
     let radius = parameters.float_in("radius", 1.0, f64::MIN_POSITIVE..=f64::from(f32::MAX));
@@ -75,6 +76,29 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Cylinder> {
         to_world.transform_point3(p0),
     );
     Some(Cylinder { to_local: to_world.inverse(), to_world, radius, length, flip_normals })
+}
+
+impl ShapeModel for Cylinder {
+    fn bounds(&self) -> Bounds3 {
+        self.bounds()
+    }
+
+    fn intersect(&self, _primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let (t, local) = self.intersect(ray)?;
+        Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+
+    fn surface_point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(Vec2::new(hit.u, hit.v))
+    }
+
+    fn area(&self) -> f32 {
+        self.area()
+    }
+
+    fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        Some(self.sample_area(random))
+    }
 }
 
 impl Cylinder {
@@ -197,7 +221,8 @@ mod tests {
             ),
         ];
         for (node, uv, point, normal, dp_du) in cases {
-            let cylinder = node.build_cleanly(|_, parameters| build(parameters));
+            let cylinder =
+                node.build_cleanly(|builder, parameters| build(builder.assets, parameters));
             let found = cylinder.surface_point(Vec2::from(uv));
             assert!((found.point - Vec3::from(point)).length() < 1e-4, "{found:?}");
             assert!((found.normal - Vec3::from(normal)).length() < 1e-4, "{found:?}");
@@ -208,10 +233,10 @@ mod tests {
     #[test]
     fn it_may_be_stretched_but_stays_round() {
         let long = node(DMat4::from_scale(DVec3::new(1.5, 1.5, 4.0)));
-        let cylinder = long.build_cleanly(|_, parameters| build(parameters));
+        let cylinder = long.build_cleanly(|builder, parameters| build(builder.assets, parameters));
         assert!((cylinder.area() - 2.0 * std::f32::consts::PI * 1.5 * 4.0).abs() < 1e-4);
         let flat = node(DMat4::from_scale(DVec3::new(1.5, 1.0, 1.0)));
-        assert!(flat.build(|_, parameters| build(parameters)).is_none());
+        assert!(flat.build(|builder, parameters| build(builder.assets, parameters)).is_none());
         assert_eq!(flat.findings()[0].fault, Fault::BadValue);
     }
 }

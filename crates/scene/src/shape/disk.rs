@@ -1,8 +1,9 @@
 //! `disk`: flat and round.
 
-use super::{ShapeSample, SurfacePoint};
-use crate::builder::read_transform;
+use super::{ShapeModel, ShapeSample, SurfacePoint};
+use crate::builder::{Assets, read_transform};
 use crate::manual::{Manual, parameter};
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Ray, Transform, rounding_error_bound};
 use etendue_sampling::warp;
@@ -32,11 +33,34 @@ pub struct Disk {
 
 /// Reads a disk.
 #[must_use]
-pub fn build(parameters: &Parameters<'_>) -> Option<Disk> {
+pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Disk> {
     let flip_normals = parameters.boolean("flip_normals", false);
     let to_world = read_transform(parameters, "to_world")?;
     let to_local = DAffine3::from_mat4(parameters.transform("to_world")).inverse();
     Some(Disk::new(to_world, to_local, flip_normals))
+}
+
+impl ShapeModel for Disk {
+    fn bounds(&self) -> Bounds3 {
+        self.bounds()
+    }
+
+    fn intersect(&self, _primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let (t, local) = self.intersect(ray)?;
+        Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+
+    fn surface_point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(Vec2::new(hit.u, hit.v))
+    }
+
+    fn area(&self) -> f32 {
+        self.area()
+    }
+
+    fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        Some(self.sample_area(random))
+    }
 }
 
 impl Disk {

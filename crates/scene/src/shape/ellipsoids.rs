@@ -1,9 +1,10 @@
 //! `ellipsoids`: many ellipsoids, intersected in double precision.
 
-use super::SurfacePoint;
+use super::{ShapeModel, SurfacePoint};
 use crate::builder::Assets;
 use crate::manual::Manual;
 use crate::models::ellipsoid_file::{self, Ellipsoid};
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::Parameters;
 use etendue_math::polynomial::quadratic_roots;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
@@ -38,6 +39,33 @@ pub struct Ellipsoids {
 #[must_use]
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Ellipsoids> {
     ellipsoid_file::read(assets, parameters).map(|ellipsoids| Ellipsoids { ellipsoids })
+}
+
+impl ShapeModel for Ellipsoids {
+    fn bounds(&self) -> Bounds3 {
+        super::union(self.boxes())
+    }
+
+    fn primitive_boxes(&self) -> Vec<Bounds3> {
+        self.boxes()
+    }
+
+    fn primitive_count(&self) -> usize {
+        self.count()
+    }
+
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let t = self.intersect(primitive, ray)?;
+        Some(PrimitiveHit { t, u: 0.0, v: 0.0 })
+    }
+
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(hit.primitive, ray)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
+    }
 }
 
 impl Ellipsoids {

@@ -1,11 +1,12 @@
 //! `ellipsoidsmesh`: many ellipsoids, each in a shell of triangles.
 
-use super::{Geometry, SurfacePoint, cube};
+use super::{Geometry, ShapeModel, SurfacePoint, cube};
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use crate::models::ellipsoid_file::{self, Ellipsoid};
 use crate::models::mesh::{Mesh, MeshOptions};
-use crate::registry;
+use crate::plugin::find;
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Class, Entry, Fault, Parameters};
 use etendue_math::{Bounds3, Ray, Transform};
 use etendue_mesh::TriangleMesh;
@@ -83,7 +84,7 @@ fn read_shell(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Shell>
             return None;
         }
         let nested = assets.document.parameters(child.node, assets.diagnostics);
-        let geometry = registry::find(registry::SHAPES, &nested)?(assets, &nested)?;
+        let geometry = find(super::SHAPES, &nested)?(assets, &nested)?;
         let Geometry::Mesh(mesh) = geometry else {
             let message = format!("a shell is a mesh; `{}` has no triangles", nested.plugin());
             parameters.error(Fault::BadValue, "shell", message);
@@ -187,6 +188,33 @@ impl Shell {
             mesh.indices.extend(self.triangles.iter().map(|corners| corners.map(|v| first + v)));
         }
         mesh
+    }
+}
+
+impl ShapeModel for EllipsoidsMesh {
+    fn bounds(&self) -> Bounds3 {
+        super::union(self.boxes())
+    }
+
+    fn primitive_boxes(&self) -> Vec<Bounds3> {
+        self.boxes()
+    }
+
+    fn primitive_count(&self) -> usize {
+        self.triangle_count()
+    }
+
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let (t, local) = self.intersect(primitive, ray)?;
+        Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+
+    fn surface_point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(hit.primitive, Vec2::new(hit.u, hit.v))
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
     }
 }
 

@@ -1,9 +1,10 @@
 //! `linearcurve`: straight tubes with round joints.
 
-use super::SurfacePoint;
+use super::{ShapeModel, SurfacePoint};
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use crate::models::curve_file::{self, Curves};
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::Parameters;
 use etendue_math::{
     Bounds3, Ray, coordinate_system, polynomial::quadratic_roots, rounding_error_bound,
@@ -100,6 +101,33 @@ impl Segment {
         let at_start = ball(0.0).filter(|t| share(*t) <= 0.0);
         let at_end = ball(1.0).filter(|t| share(*t) >= 1.0);
         on_mantle.chain(at_start).chain(at_end).min_by(f64::total_cmp)
+    }
+}
+
+impl ShapeModel for LinearCurve {
+    fn bounds(&self) -> Bounds3 {
+        super::union(self.boxes())
+    }
+
+    fn primitive_boxes(&self) -> Vec<Bounds3> {
+        self.boxes()
+    }
+
+    fn primitive_count(&self) -> usize {
+        self.segment_count()
+    }
+
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let t = self.intersect(primitive, ray)?;
+        Some(PrimitiveHit { t, u: 0.0, v: 0.0 })
+    }
+
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(hit.primitive, ray, hit.t)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
     }
 }
 

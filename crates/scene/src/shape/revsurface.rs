@@ -16,11 +16,13 @@ mod roots;
 mod tests;
 mod tree;
 
-use super::{ShapeSample, SurfacePoint};
-use crate::builder::read_transform;
+use super::{ShapeModel, ShapeSample, SurfacePoint};
+use crate::builder::{Assets, read_transform};
+use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::profile::{self, Segment};
 use area::AreaTable;
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Class, Fault, Parameters};
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
@@ -77,7 +79,7 @@ pub struct Crossing {
 
 /// Reads a surface of revolution.
 #[must_use]
-pub fn build(parameters: &Parameters<'_>) -> Option<RevSurface> {
+pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<RevSurface> {
     let flip_normals = parameters.boolean("flip_normals", false);
     let segments = read_profile(parameters);
     read_transform(parameters, "to_world")?;
@@ -121,6 +123,47 @@ fn read_profile(parameters: &Parameters<'_>) -> Option<Vec<Segment>> {
     }
     curve.finish();
     usable
+}
+
+impl ShapeModel for RevSurface {
+    fn bounds(&self) -> Bounds3 {
+        self.bounds()
+    }
+
+    fn intersect(&self, _primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let (t, local) = self.intersect(ray)?;
+        Some(PrimitiveHit { t, u: local.x, v: local.y })
+    }
+
+    fn occludes(&self, _primitive: u32, ray: &Ray) -> bool {
+        self.occludes(ray)
+    }
+
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(ray, hit.t, Vec2::new(hit.u, hit.v))
+    }
+
+    const PREPARES_SAMPLING: bool = true;
+
+    fn prepare_sampling(&mut self) {
+        self.prepare_sampling();
+    }
+
+    fn area(&self) -> f32 {
+        self.area()
+    }
+
+    fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        self.sample_area(random)
+    }
+
+    fn pdf_area(&self, surface: &SurfaceInteraction) -> f32 {
+        self.pdf_area(surface.uv.y, surface.dp_du, surface.dp_dv)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
+    }
 }
 
 impl RevSurface {

@@ -4,10 +4,11 @@
 //! cubic, and the surface is at its first root (Hansson-Söderlund, Evans and Akenine-Möller, "Ray
 //! Tracing of Signed Distance Function Grids", JCGT 11(3), 2022).
 
-use super::SurfacePoint;
+use super::{ShapeModel, SurfacePoint};
 use crate::builder::{Assets, read_transform};
 use crate::manual::{Manual, parameter};
 use crate::models::grid_file;
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Fault, Parameters};
 use etendue_math::polynomial::quadratic_roots;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
@@ -96,6 +97,33 @@ fn interpolate(corners: &[f64; 8], at: DVec3) -> f64 {
     let along_x = |i: usize| mix(corners[i], corners[i + 1], at.x);
     let along_y = |i: usize| mix(along_x(i), along_x(i + 2), at.y);
     mix(along_y(0), along_y(4), at.z)
+}
+
+impl ShapeModel for SdfGrid {
+    fn bounds(&self) -> Bounds3 {
+        super::union(self.boxes())
+    }
+
+    fn primitive_boxes(&self) -> Vec<Bounds3> {
+        self.boxes()
+    }
+
+    fn primitive_count(&self) -> usize {
+        self.voxel_count()
+    }
+
+    fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let t = self.intersect(primitive, ray)?;
+        Some(PrimitiveHit { t, u: 0.0, v: 0.0 })
+    }
+
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(hit.primitive, ray, hit.t)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
+    }
 }
 
 impl SdfGrid {

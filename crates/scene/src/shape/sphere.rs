@@ -1,8 +1,10 @@
 //! `sphere`: intersected in double precision, sampled within the cone that a point sees.
 
-use super::{ShapeSample, SurfacePoint};
-use crate::builder::read_transform;
+use super::{ShapeModel, ShapeSample, SurfacePoint};
+use crate::builder::{Assets, read_transform};
+use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Fault, Parameters};
 use etendue_math::polynomial::quadratic_roots;
 use etendue_math::{Bounds3, Ray, coordinate_system, rounding_error_bound};
@@ -40,7 +42,7 @@ pub struct Sphere {
 
 /// Reads a sphere.
 #[must_use]
-pub fn build(parameters: &Parameters<'_>) -> Option<Sphere> {
+pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Sphere> {
     let center = parameters.point("center", DVec3::ZERO);
     let radius = parameters.float_in("radius", 1.0, f64::MIN_POSITIVE..=f64::from(f32::MAX));
     let flip_normals = parameters.boolean("flip_normals", false);
@@ -69,6 +71,37 @@ pub fn build(parameters: &Parameters<'_>) -> Option<Sphere> {
         to_local,
         flip_normals,
     })
+}
+
+impl ShapeModel for Sphere {
+    fn bounds(&self) -> Bounds3 {
+        self.bounds()
+    }
+
+    fn intersect(&self, _primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
+        let t = self.intersect(ray)?;
+        Some(PrimitiveHit { t, u: 0.0, v: 0.0 })
+    }
+
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_point(ray, hit.t)
+    }
+
+    fn area(&self) -> f32 {
+        self.area()
+    }
+
+    fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
+        Some(self.sample_area(random))
+    }
+
+    fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
+        self.sample_direction(reference, random)
+    }
+
+    fn pdf_direction(&self, reference: Vec3, surface: &SurfaceInteraction) -> f32 {
+        self.pdf_direction(reference, surface.point, surface.normal)
+    }
 }
 
 impl Sphere {

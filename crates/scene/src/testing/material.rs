@@ -1,7 +1,7 @@
 //! Materials from XML, for tests.
 
-use crate::batch::LaneMaterial;
-use crate::bsdf::{Bsdf, Material, Materials, Transport};
+use crate::batch::{BatchMaterial, Materials};
+use crate::bsdf::{Bsdf, Material, Transport};
 use crate::builder::{Assets, BuildOptions, Builder};
 use crate::ids::{MaterialId, ShapeId};
 use crate::interaction::SurfaceInteraction;
@@ -18,7 +18,7 @@ use glam::{Vec2, Vec3};
 pub(crate) struct TestMaterial {
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
-    lanes: Vec<LaneMaterial>,
+    batch: Vec<BatchMaterial>,
     pub(crate) root: MaterialId,
 }
 
@@ -43,7 +43,7 @@ impl TestMaterial {
 
     /// The material with those that it holds.
     pub(crate) fn materials(&self) -> Materials<'_> {
-        Materials { materials: &self.materials, lanes: &self.lanes }
+        Materials { materials: &self.materials, batch: &self.batch }
     }
 }
 
@@ -97,8 +97,8 @@ fn read(xml: &str) -> (Option<TestMaterial>, Vec<Diagnostic>) {
     let root = builder.material(node);
     assets.report_not_found();
     let (materials, textures) = (builder.materials, builder.textures);
-    let lanes = LaneMaterial::of_all(&materials);
-    (root.map(|root| TestMaterial { materials, textures, lanes, root }), diagnostics.sorted())
+    let batch = BatchMaterial::of_all(&materials);
+    (root.map(|root| TestMaterial { materials, textures, batch, root }), diagnostics.sorted())
 }
 
 /// A hit on the plane z = 0, whose shading frame is the world's.

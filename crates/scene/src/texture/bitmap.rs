@@ -1,6 +1,8 @@
 //! `bitmap`: a picture from a file or from memory.
 
+use super::{TextureModel, Textures};
 use crate::builder::{Assets, Builder};
+use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::picture_in_memory;
 pub use crate::models::texels::Channel;
@@ -308,6 +310,28 @@ struct Footprint {
     scale: Vec2,
 }
 
+impl TextureModel for BitmapTexture {
+    fn eval(&self, _textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        self.eval(surface.uv)
+    }
+
+    fn eval_scalar(&self, _textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        self.eval_scalar(surface.uv)
+    }
+
+    fn gradient(&self, _textures: Textures<'_>, surface: &SurfaceInteraction) -> Vec2 {
+        self.gradient(surface.uv)
+    }
+
+    fn mean(&self, _textures: Textures<'_>) -> Spectrum {
+        self.mean()
+    }
+
+    fn texels(&self) -> Option<&Arc<Texels>> {
+        Some(&self.texels)
+    }
+}
+
 impl BitmapTexture {
     /// Takes over a picture; `None` where it lacks the channel that is asked for, or has no texels.
     #[must_use]
@@ -396,11 +420,6 @@ impl BitmapTexture {
     #[must_use]
     pub fn texel_luminance(&self, column: u32, row: u32) -> f32 {
         self.texels.scalars([row as usize * self.texels.width as usize + column as usize])[0]
-    }
-
-    /// The texels, which other textures may show as well.
-    pub(crate) fn texels(&self) -> &Arc<Texels> {
-        &self.texels
     }
 
     /// The index of the texel at `uv`.

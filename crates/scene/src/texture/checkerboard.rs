@@ -1,6 +1,6 @@
 //! `checkerboard`: two colours in squares.
 
-use super::{ColorSource, Textures};
+use super::{ColorSource, TextureModel, Textures};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -50,6 +50,20 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<C
         builder.color(parameters, "color1", 0.2, SpectrumUse::Reflectance),
     ];
     Some(Checkerboard { colors, to_uv: read_to_uv(parameters)? })
+}
+
+impl TextureModel for Checkerboard {
+    fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        self.eval(textures, surface)
+    }
+
+    fn eval_scalar(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        self.eval_scalar(textures, surface)
+    }
+
+    fn mean(&self, textures: Textures<'_>) -> Spectrum {
+        self.mean(textures)
+    }
 }
 
 impl Checkerboard {

@@ -1,6 +1,6 @@
 //! `gridtexture`: lines along the edges of squares. From Mitsuba 0.6.
 
-use super::{ColorSource, Textures};
+use super::{ColorSource, TextureModel, Textures};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
@@ -50,6 +50,16 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<G
         width: parameters.float_in("line_width", 0.01, 0.0..=1e6) as f32,
         to_uv: read_to_uv(parameters)?,
     })
+}
+
+impl TextureModel for GridTexture {
+    fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        self.eval(textures, surface)
+    }
+
+    fn mean(&self, textures: Textures<'_>) -> Spectrum {
+        self.mean(textures)
+    }
 }
 
 impl GridTexture {

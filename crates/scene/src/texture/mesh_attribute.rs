@@ -1,5 +1,6 @@
 //! `mesh_attribute`: what a mesh file says of its vertices or faces.
 
+use super::{TextureModel, Textures};
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
@@ -70,6 +71,20 @@ pub fn build(_: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<MeshAtt
         return None;
     }
     Some(MeshAttribute { name: name.to_owned(), scale, places: Vec::new() })
+}
+
+impl TextureModel for MeshAttribute {
+    fn eval(&self, _textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        self.eval(surface)
+    }
+
+    fn mean(&self, _textures: Textures<'_>) -> Spectrum {
+        self.mean()
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.memory_bytes()
+    }
 }
 
 impl MeshAttribute {

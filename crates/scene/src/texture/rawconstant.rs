@@ -1,6 +1,8 @@
 //! `rawconstant`: the same number or vector everywhere, where a texture is asked for.
 
+use super::{TextureModel, Textures};
 use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters, Value};
 use etendue_spectrum::Spectrum;
@@ -39,6 +41,16 @@ pub fn build(_: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Spectru
         return None;
     }
     Some(value)
+}
+
+impl TextureModel for Spectrum {
+    fn eval(&self, _textures: Textures<'_>, _surface: &SurfaceInteraction) -> Spectrum {
+        *self
+    }
+
+    fn mean(&self, _textures: Textures<'_>) -> Spectrum {
+        *self
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `scale`: another texture, times a colour. From Mitsuba 0.6.
 
-use super::Textures;
+use super::{TextureModel, Textures};
 use crate::builder::Builder;
 use crate::ids::TextureId;
 use crate::interaction::SurfaceInteraction;
@@ -36,6 +36,24 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
     let factor = builder.constant_color(parameters, "scale", 1.0, SpectrumUse::Unbounded);
     let nested = parameters.required_child(Class::Texture)?;
     Some(Scale { nested: builder.texture(nested.node)?, factor })
+}
+
+impl TextureModel for Scale {
+    fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        self.eval(textures, surface)
+    }
+
+    fn eval_scalar(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        self.eval_scalar(textures, surface)
+    }
+
+    fn gradient(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Vec2 {
+        self.gradient(textures, surface)
+    }
+
+    fn mean(&self, textures: Textures<'_>) -> Spectrum {
+        self.mean(textures)
+    }
 }
 
 impl Scale {

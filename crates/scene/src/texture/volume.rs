@@ -1,11 +1,15 @@
 //! `volume`: a volume, seen where a surface cuts it.
 
+use super::{TextureModel, Textures};
 use crate::builder::Builder;
+use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::volume::Volume;
+use crate::volume::gridvolume::GridVolume;
 use etendue_document::Parameters;
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -36,6 +40,24 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<V
     Some(VolumeTexture { mean: volume.mean(), volume })
 }
 
+impl TextureModel for VolumeTexture {
+    fn eval(&self, _textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum {
+        self.eval(surface.point)
+    }
+
+    fn eval_scalar(&self, _textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
+        self.eval_scalar(surface.point)
+    }
+
+    fn mean(&self, _textures: Textures<'_>) -> Spectrum {
+        self.mean()
+    }
+
+    fn grid(&self) -> Option<&Arc<GridVolume>> {
+        self.volume.grid()
+    }
+}
+
 impl VolumeTexture {
     /// The colour at a point of the world.
     #[inline]
@@ -55,11 +77,5 @@ impl VolumeTexture {
     #[must_use]
     pub fn mean(&self) -> Spectrum {
         self.mean
-    }
-
-    /// The volume.
-    #[must_use]
-    pub fn volume(&self) -> &Volume {
-        &self.volume
     }
 }

@@ -1,11 +1,12 @@
 //! `constvolume`: the same value everywhere.
 
-use super::UNIT_CUBE;
+use super::{UNIT_CUBE, VolumeModel};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Transform};
 use etendue_spectrum::{Spectrum, SpectrumUse};
+use glam::Vec3;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -39,17 +40,32 @@ impl ConstVolume {
     pub fn new(color: Spectrum, to_world: &Transform) -> Self {
         Self { color, bounds: to_world.bounds(&UNIT_CUBE) }
     }
+}
 
-    /// The value.
+impl VolumeModel for ConstVolume {
     #[inline]
-    #[must_use]
-    pub fn color(&self) -> Spectrum {
+    fn eval(&self, _point: Vec3) -> Spectrum {
         self.color
     }
 
-    /// The box outside of which a medium of this volume is empty.
-    #[must_use]
-    pub fn bounds(&self) -> Bounds3 {
+    fn as_constant(&self) -> Option<Spectrum> {
+        Some(self.color)
+    }
+
+    fn bounds(&self) -> Bounds3 {
         self.bounds
+    }
+
+    fn range(&self) -> [f32; 2] {
+        [self.color.min_component(), self.color.max_component()]
+    }
+
+    fn mean(&self) -> Spectrum {
+        self.color
+    }
+
+    /// A constant counts as a colour.
+    fn channels(&self) -> usize {
+        Spectrum::LANES
     }
 }

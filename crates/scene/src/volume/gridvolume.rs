@@ -1,7 +1,7 @@
 //! `gridvolume`: values on a grid, from a file or from memory.
 
-use super::UNIT_CUBE;
-use crate::builder::Assets;
+use super::{UNIT_CUBE, VolumeModel};
+use crate::builder::{Assets, Builder};
 use crate::manual::{Manual, parameter};
 use crate::models::grid_file::{self, GridError, GridFile};
 use crate::texture::bitmap::WrapMode;
@@ -9,6 +9,7 @@ use etendue_document::{Fault, Parameters};
 use etendue_math::{Bounds3, Transform};
 use etendue_spectrum::Spectrum;
 use glam::{DMat4, IVec3, Vec3};
+use std::sync::Arc;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -89,7 +90,13 @@ struct Footprint {
 
 /// Reads the volume.
 #[must_use]
-pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<GridVolume> {
+pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Arc<GridVolume>> {
+    builder
+        .assets
+        .kept(parameters, &[], |assets, parameters| read(assets, parameters).map(Arc::new))
+}
+
+fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<GridVolume> {
     let options = Options::read(parameters);
     let file = if parameters.has("data") {
         grid_in_memory(parameters)?
@@ -183,6 +190,34 @@ impl Options {
             use_grid_bbox: parameters.boolean("use_grid_bbox", false),
             to_world: parameters.transform("to_world"),
         }
+    }
+}
+
+impl VolumeModel for GridVolume {
+    #[inline]
+    fn eval(&self, point: Vec3) -> Spectrum {
+        self.eval(point)
+    }
+
+    #[inline]
+    fn eval_scalar(&self, point: Vec3) -> f32 {
+        self.eval_scalar(point)
+    }
+
+    fn bounds(&self) -> Bounds3 {
+        self.bounds()
+    }
+
+    fn range(&self) -> [f32; 2] {
+        self.range()
+    }
+
+    fn mean(&self) -> Spectrum {
+        self.mean()
+    }
+
+    fn channels(&self) -> usize {
+        self.channels()
     }
 }
 

@@ -1,12 +1,14 @@
 //! Lanes against hits alone, bit by bit, with every set of instructions of this machine.
 
 use super::*;
-use crate::testing::material::{TestMaterial, surface};
 use crate::interaction::SurfaceInteraction;
-use crate::texture::Textures;
+use crate::scattering::{BsdfSample, Lobe};
+use crate::testing::material::{TestMaterial, surface};
 use etendue_math::lanes::{LaneMask, Lanes, Level, MAX_LANES, Mask as _, Simd, baseline};
 use etendue_math::with_lanes;
+use etendue_spectrum::Spectrum;
 use etendue_testkit::TestRng;
+use glam::{Vec2, Vec3};
 
 /// Materials of every kind, in the order of the kinds, with parameters that differ from lane to lane
 /// and go to their limits.

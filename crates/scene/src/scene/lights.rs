@@ -3,57 +3,21 @@
 //! Every lane has the bits of [`Scene::sample_light`]. Panels (flat lights of even radiance), other
 //! meshes of even radiance and even surroundings are sampled in lanes; the other emitters lane by lane.
 
-use super::light_batch::{LightBatch, Places};
-use crate::emitter::area::{Area, ParallelogramLight, ParallelogramLightBatch, light_from};
+use crate::batch::{LightBatch, Places};
+use crate::emitter::area::{ParallelogramLightBatch, light_from};
 use crate::emitter::constant::light_from_everywhere;
-use crate::emitter::{DirectionSample, Emitter};
-use crate::ids::ShapeId;
+use crate::emitter::{DirectionSample, Emitter, LaneEmitter};
 use crate::lanes::LightLanes;
 use crate::models::mesh::{LightPoint, LightPointBatch};
 use crate::scene::{Scene, choose_evenly};
 use crate::shape::{Geometry, Shape};
-use crate::texture::ColorSource;
 use etendue_math::lanes::{
     LaneArray, LaneMask, Lanes, MAX_LANES, Mask as _, Simd, Vector2, Vector3,
 };
-use etendue_spectrum::{Spectrum, SpectrumLanes};
+use etendue_spectrum::SpectrumLanes;
 use glam::{Vec2, Vec3};
 
-/// What several paths at once can sample of an emitter.
-#[derive(Debug)]
-enum LaneEmitter {
-    /// A flat light of even radiance.
-    ParallelogramLight(ParallelogramLight<f32>),
-    /// The same radiance from everywhere afar.
-    ConstantEnvironment(Spectrum),
-    /// A mesh of even radiance, whose triangles are chosen by their area.
-    Mesh(ShapeId, Spectrum),
-    /// Nothing: it is sampled for one path after another.
-    Other,
-}
-
 impl LaneEmitter {
-    fn new(emitter: &Emitter, shapes: &[Shape]) -> Self {
-        match emitter {
-            Emitter::Area(area) => Self::of_area(area, shapes),
-            Emitter::Constant(constant) => Self::ConstantEnvironment(constant.radiance()),
-            _ => Self::Other,
-        }
-    }
-
-    fn of_area(area: &Area, shapes: &[Shape]) -> Self {
-        let (shape, ColorSource::Constant(radiance)) = area.source() else { return Self::Other };
-        let Geometry::Mesh(mesh) = &shapes[shape.index()].geometry else { return Self::Other };
-        match mesh.parallelogram() {
-            Some(flat) => Self::ParallelogramLight(ParallelogramLight {
-                shape: *flat,
-                radiance: radiance.into(),
-            }),
-            None if mesh.chooses_triangles() => Self::Mesh(shape, radiance),
-            None => Self::Other,
-        }
-    }
-
     /// As [`Emitter::sample_direction`], if all lanes sample this emitter and can do so together.
     #[inline(always)]
     fn sample_direction<S: Simd>(
@@ -63,13 +27,13 @@ impl LaneEmitter {
         random: Vector2<Lanes<S>>,
     ) -> Option<LightLanes<Lanes<S>>> {
         match self {
-            Self::ParallelogramLight(panel) => {
+            Self::Parallelogram(panel) => {
                 Some(panel.splat(simd).sample_direction(reference, random))
             }
             Self::ConstantEnvironment(radiance) => {
                 Some(light_from_everywhere(SpectrumLanes::splat(simd, *radiance), random))
             }
-            Self::Mesh(..) | Self::Other => None,
+            Self::Mesh(..) | Self::Single => None,
         }
     }
 }
@@ -80,7 +44,7 @@ pub(crate) struct LaneEmitters(Vec<LaneEmitter>);
 
 impl LaneEmitters {
     pub(crate) fn new(emitters: &[Emitter], shapes: &[Shape]) -> Self {
-        Self(emitters.iter().map(|emitter| LaneEmitter::new(emitter, shapes)).collect())
+        Self(emitters.iter().map(|emitter| emitter.in_lanes(shapes)).collect())
     }
 }
 
@@ -185,7 +149,7 @@ impl Scene {
         let (mut flat, mut surrounded, mut folded) = (0, 0, 0);
         for lane in lanes_of(wanted.bits()) {
             match &self.lamps().0[emitters[lane] as usize] {
-                LaneEmitter::ParallelogramLight(panel) => {
+                LaneEmitter::Parallelogram(panel) => {
                     block.set(lane, panel);
                     flat |= 1 << lane;
                 }
@@ -197,7 +161,7 @@ impl Scene {
                     block.set_radiance(lane, *radiance);
                     folded |= 1 << lane;
                 }
-                LaneEmitter::Other => {}
+                LaneEmitter::Single => {}
             }
         }
         let panel = block.load(simd);
