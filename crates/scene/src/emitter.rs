@@ -16,6 +16,8 @@ pub mod point;
 pub mod projector;
 pub mod spot;
 pub mod sunsky;
+#[cfg(test)]
+mod tests;
 
 pub use crate::lanes::{LightLanes, TargetLanes};
 
@@ -165,6 +167,9 @@ macro_rules! emitters {
         }
     };
 }
+
+#[cfg(test)]
+pub(crate) use emitter_list;
 
 emitter_list!(emitters);
 

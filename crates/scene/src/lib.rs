@@ -6,7 +6,13 @@
 //!
 //! Families that are used at every hit ([`shape`], [`bsdf`], [`texture`], [`emitter`]) are closed
 //! enums of structs. One plugin is one file, named as its XML type, with its parameters, its
-//! mathematics, its [`Manual`] page and its tests; one line in [`registry`] makes it known.
+//! mathematics, its [`Manual`] page and the cases that tests try. One line in the list beside the
+//! family's folder makes it known: the enum, its dispatch and the [`registry`] come from that list, and
+//! for materials the kinds of closures that several hits are shaded with at once.
+//!
+//! From below to above: `inputs`, `lanes` and [`models`] hold what several plugins share; then come the
+//! plugin folders, `batch` (several hits at once, whatever their plugins), the [`Scene`], and its
+//! [`Builder`].
 #![forbid(unsafe_code)]
 
 mod batch;
@@ -16,6 +22,7 @@ mod cache;
 pub mod emitter;
 pub mod film;
 mod ids;
+mod inputs;
 mod interaction;
 mod lanes;
 mod manual;

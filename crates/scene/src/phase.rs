@@ -105,6 +105,9 @@ macro_rules! phases {
     };
 }
 
+#[cfg(test)]
+use phase_list;
+
 phase_list!(phases);
 
 /// Builds a phase function.

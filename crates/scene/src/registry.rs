@@ -1,5 +1,5 @@
-//! Every plugin, one line each. Building, the manual and the tests walk these tables; nothing is
-//! listed twice.
+//! Every plugin. Each family has one list beside its folder, from which its table comes; building, the
+//! manual and the tests walk the tables, and nothing is listed twice.
 
 pub use crate::bsdf::BSDFS;
 pub use crate::emitter::{EMITTERS, SHAPE_EMITTERS};
@@ -36,15 +36,19 @@ pub static FILMS: &[Plugin<BuildFilm>] = &[
     plugin("ldrfilm", &film::ldrfilm::MANUAL, film::ldrfilm::build),
 ];
 
-/// Every plugin of this crate: class, name and manual page.
+/// Every plugin of this crate: class, name and manual page; those of a table in the order of their
+/// names.
 pub fn plugins() -> Vec<(Class, &'static str, &'static Manual)> {
     fn pages<F>(
         class: Class,
         table: &'static [Plugin<F>],
-    ) -> impl Iterator<Item = (Class, &'static str, &'static Manual)> {
-        table.iter().map(move |plugin| (class, plugin.name, plugin.manual))
+    ) -> Vec<(Class, &'static str, &'static Manual)> {
+        let mut pages: Vec<_> =
+            table.iter().map(|plugin| (class, plugin.name, plugin.manual)).collect();
+        pages.sort_unstable_by_key(|(_, name, _)| *name);
+        pages
     }
-    let mut all: Vec<_> = pages(Class::Shape, SHAPES).collect();
+    let mut all = pages(Class::Shape, SHAPES);
     all.extend(pages(Class::Shape, COMPOSITE_SHAPES));
     all.extend(pages(Class::Bsdf, BSDFS));
     all.extend(pages(Class::Texture, TEXTURES));

@@ -17,6 +17,7 @@ pub mod radiancemeter;
 pub mod thinlens;
 
 pub use crate::models::connection::Connection;
+pub use crate::models::image_plane::SensorCommon;
 
 use crate::builder::{Builder, read_transform};
 use crate::film::FilmSpec;
@@ -26,7 +27,7 @@ use crate::shape::Geometry;
 use etendue_document::{Fault, Parameters};
 use etendue_math::lanes::Level;
 use etendue_math::{Bounds3, Ray, Transform, with_lanes};
-use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec2, Vec3};
+use glam::{DMat4, DVec3, Mat4, Vec2, Vec3};
 
 /// The list of sensors: one line is one plugin, its XML `type`, which is its module as well, and what the
 /// scene holds of it, which is a [`SensorModel`]. Those of `shapes` are nested in a shape.
@@ -132,21 +133,6 @@ pub struct SensorRay {
     pub ray: Ray,
     /// What the radiance along it counts.
     pub weight: f32,
-}
-
-/// What all sensors have.
-#[derive(Clone, Copy, Debug)]
-pub struct SensorCommon {
-    /// Camera to world.
-    pub to_world: Transform,
-    /// Where rays start, along the camera's z axis.
-    pub near_clip: f32,
-    /// Where rays end, along the camera's z axis.
-    pub far_clip: f32,
-    /// When the shutter opens.
-    pub shutter_open: f32,
-    /// When the shutter closes, not before it opens. Nothing moves yet.
-    pub shutter_close: f32,
 }
 
 /// A camera as file headers describe it; both matrices are for column vectors.
@@ -305,27 +291,6 @@ impl SensorCommon {
         is_well
     }
 
-    /// The connection of a point with an origin on the lens, given the point's distance along the view in
-    /// camera space, and what [`connection::pinhole`] says.
-    fn connection(
-        &self,
-        point: Vec3,
-        (origin, depth): (Vec3, f32),
-        (film_position, importance): (Vec2, f32),
-    ) -> Option<Connection> {
-        if !(self.near_clip..=self.far_clip).contains(&depth) {
-            return None;
-        }
-        let path = origin - point;
-        let distance = path.length();
-        Some(Connection {
-            film_position,
-            direction: path / distance,
-            distance: distance * (1.0 - self.near_clip / depth),
-            importance: importance / (distance * distance),
-        })
-    }
-
     /// Warns where the camera's picture is stretched.
     fn warn_of_unequal_scale(&self, parameters: &Parameters<'_>) {
         let matrix = self.matrix();
@@ -335,11 +300,6 @@ impl SensorCommon {
             let message = "the camera's `to_world` scales unequally, which stretches the picture";
             parameters.warning(Fault::BadValue, "to_world", message);
         }
-    }
-
-    /// The linear part of camera to world.
-    pub(crate) fn matrix(&self) -> DMat3 {
-        Mat3::from(self.to_world.affine().matrix3).as_dmat3()
     }
 }
 

@@ -16,8 +16,8 @@ pub mod volume;
 
 use crate::builder::Builder;
 use crate::ids::TextureId;
+use crate::inputs::texels::Texels;
 use crate::interaction::SurfaceInteraction;
-use crate::models::texels::Texels;
 use crate::plugin::{Plugin, plugin};
 use crate::volume::gridvolume::GridVolume;
 use etendue_document::Parameters;

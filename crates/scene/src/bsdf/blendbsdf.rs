@@ -5,6 +5,8 @@ use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::{fraction, limited, nested};
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use crate::texture::ScalarSource;
 use etendue_document::Parameters;
 
@@ -26,6 +28,20 @@ pub const MANUAL: Manual = Manual {
     <bsdf type="diffuse"/>
     <bsdf type="roughconductor"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="blendbsdf"><float name="weight" value="0.6"/><bsdf type="plastic"/><bsdf type="roughdielectric"/></bsdf>"#),
+        plain(r#"<bsdf type="blendbsdf"><float name="weight" value="0.3"/><bsdf type="diffuse"/><bsdf type="mask"><bsdf type="roughconductor"/></bsdf></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="blendbsdf"><float name="weight" value="1e-30"/><bsdf type="diffuse"/><bsdf type="roughconductor"><float name="alpha" value="0"/></bsdf></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// A mixture of two materials.

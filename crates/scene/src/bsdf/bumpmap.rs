@@ -6,6 +6,8 @@ use crate::builder::Builder;
 use crate::ids::{MaterialId, TextureId};
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::nested;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, one_way};
 use crate::texture::Texture;
 use etendue_document::{Fault, Parameters};
 use glam::Vec3;
@@ -27,6 +29,19 @@ pub const MANUAL: Manual = Manual {
     <float name="scale" value="0.1"/>
     <bsdf type="roughplastic"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        one_way(r#"<bsdf type="bumpmap"><texture type="checkerboard"/><bsdf type="diffuse"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="bumpmap"><float name="scale" value="1e30"/><texture type="checkerboard"/><bsdf type="roughdielectric"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// A material with a height map.

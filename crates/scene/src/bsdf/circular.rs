@@ -5,6 +5,8 @@ use super::polarizer::{SHARE, TRANSMITTANCE};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::reflectance;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use etendue_document::Parameters;
 
 /// The manual page.
@@ -21,6 +23,19 @@ pub const MANUAL: Manual = Manual {
         ),
     ],
     sample: r#"<bsdf type="circular"><float name="transmittance" value="0.9"/></bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="circular"><rgb name="transmittance" value="0.2, 0.4, 0.8"/><boolean name="left_handed" value="true"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="circular"><float name="transmittance" value="0"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// Reads the parameters.

@@ -7,6 +7,8 @@ use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::{MetalIndex, reflectance};
 use crate::models::fresnel;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless, plain};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -57,6 +59,26 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="conductor">
     <string name="material" value="Au"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="conductor"><string name="material" value="Au"/></bsdf>"#),
+        lossless(r#"<bsdf type="conductor"/>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="conductor"><float name="eta" value="0"/><float name="k" value="0"/></bsdf>"#,
+        r#"<bsdf type="conductor"><float name="eta" value="1e30"/><float name="k" value="1e30"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="conductor"><string name="material" value="Au"/></bsdf>"#,
+        r#"<bsdf type="conductor"/>"#,
+        r#"<bsdf type="conductor"><float name="eta" value="0"/><float name="k" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="conductor"><texture name="specular_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
 };
 
 /// A smooth metal.

@@ -8,6 +8,8 @@ use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::{reflectance, relative_index};
 use crate::models::fresnel;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless, plain};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -45,6 +47,25 @@ pub const MANUAL: Manual = Manual {
     <string name="int_ior" value="water"/>
     <string name="ext_ior" value="air"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        lossless(r#"<bsdf type="dielectric"/>"#),
+        plain(r#"<bsdf type="dielectric"><string name="int_ior" value="water"/><rgb name="specular_transmittance" value="0.3, 0.5, 0.8"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="dielectric"/>"#,
+        r#"<bsdf type="dielectric"><string name="int_ior" value="water"/><string name="ext_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="dielectric"><texture name="specular_transmittance" type="checkerboard"/></bsdf>"#,
+    ],
 };
 
 /// A smooth dielectric interface.

@@ -6,6 +6,8 @@ use crate::interaction::SurfaceInteraction;
 use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::reflectance;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless, plain};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -26,6 +28,25 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="diffuse">
     <rgb name="reflectance" value="0.2, 0.25, 0.7"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.5, 0.8"/></bsdf>"#),
+        lossless(r#"<bsdf type="diffuse"><float name="reflectance" value="1"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.5, 0.8"/></bsdf>"#,
+        r#"<bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="diffuse"><texture name="reflectance" type="checkerboard"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>"#,
+    ],
 };
 
 /// A Lambertian surface.

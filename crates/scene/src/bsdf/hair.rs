@@ -7,6 +7,8 @@ use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::rough_relative_index;
 use crate::models::fresnel;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, Configuration, one_way};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::{Fault, Parameters};
 use etendue_math::safe_sqrt;
@@ -55,6 +57,22 @@ pub const MANUAL: Manual = Manual {
     <float name="eumelanin" value="0.2"/>
     <float name="pheomelanin" value="0.4"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        one_way(r#"<bsdf type="hair"/>"#),
+        one_way(r#"<bsdf type="hair"><rgb name="sigma_a" value="0.1, 0.2, 0.5"/><float name="longitudinal_roughness" value="0.6"/><float name="azimuthal_roughness" value="0.8"/><float name="scale_tilt" value="5"/></bsdf>"#),
+        Configuration { lossless: true, ..one_way(r#"<bsdf type="hair"><float name="sigma_a" value="0"/></bsdf>"#) },
+    ],
+    extreme: &[
+        r#"<bsdf type="hair"><float name="longitudinal_roughness" value="0"/><float name="azimuthal_roughness" value="0"/><float name="sigma_a" value="1e30"/></bsdf>"#,
+        r#"<bsdf type="hair"><float name="longitudinal_roughness" value="1"/><float name="azimuthal_roughness" value="1"/><float name="scale_tilt" value="90"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// Segments inside the hair that are told apart: none (reflection), one, two; the last term stands

@@ -5,6 +5,8 @@ use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::{fraction, limited, nested};
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless, plain};
 use crate::texture::ScalarSource;
 use etendue_document::Parameters;
 
@@ -20,6 +22,21 @@ pub const MANUAL: Manual = Manual {
     <float name="opacity" value="0.3"/>
     <bsdf type="diffuse"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="roughplastic"/></bsdf>"#),
+        lossless(r#"<bsdf type="mask"><float name="opacity" value="0.3"/><bsdf type="twosided"><bsdf type="conductor"/></bsdf></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="mask"><float name="opacity" value="1e-30"/><bsdf type="roughplastic"/></bsdf>"#,
+        r#"<bsdf type="mask"><float name="opacity" value="0"/><bsdf type="diffuse"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// A material with an opacity.

@@ -9,6 +9,8 @@ use crate::builder::{Assets, Builder};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::fresnel;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, one_way};
 use crate::texture::Textures;
 use data::{Measurement, Symmetry, place};
 use etendue_document::{Fault, Parameters};
@@ -28,6 +30,22 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="measured">
     <string name="filename" value="sample.bsdf"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        one_way(r#"<bsdf type="measured"><string name="filename" value="isotropic.bsdf"/></bsdf>"#),
+        one_way(r#"<bsdf type="measured"><string name="filename" value="anisotropic.bsdf"/></bsdf>"#),
+        one_way(r#"<bsdf type="measured"><string name="filename" value="quarter.bsdf"/></bsdf>"#),
+        one_way(r#"<bsdf type="measured"><string name="filename" value="spectral.bsdf"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="twosided"><bsdf type="measured"><string name="filename" value="quarter.bsdf"/></bsdf></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// A measured material. Copies share the measurement.

@@ -5,6 +5,8 @@ use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::nested;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, one_way};
 use crate::texture::ColorSource;
 use etendue_document::{Fault, Parameters};
 use etendue_math::Frame;
@@ -43,6 +45,22 @@ pub const MANUAL: Manual = Manual {
     <rgb name="normalmap" value="0.5, 0.6, 0.9"/>
     <bsdf type="roughplastic"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        one_way(r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.7, 0.4, 0.9"/><bsdf type="roughplastic"/></bsdf>"#),
+        one_way(r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.8, 0.4, 0.8"/><bsdf type="roughdielectric"><float name="alpha" value="0.4"/></bsdf></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.5, 0.5, 0.5"/><bsdf type="roughplastic"/></bsdf>"#,
+        r#"<bsdf type="normalmap"><rgb name="normalmap" value="1, 0.5, 0.5"/><bsdf type="roughdielectric"/></bsdf>"#,
+        r#"<bsdf type="normalmap"><rgb name="normalmap" value="1, 0, 0"/><bsdf type="twosided"><bsdf type="roughconductor"/></bsdf></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// A material with a picture of its normals.

@@ -4,6 +4,8 @@ use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::Manual;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_spectrum::Spectrum;
@@ -14,6 +16,19 @@ pub const MANUAL: Manual = Manual {
     summary: "No surface at all: light goes straight through. It marks where a medium ends.",
     parameters: &[],
     sample: r#"<bsdf type="null"/>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        lossless(r#"<bsdf type="null"/>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="mask"><float name="opacity" value="1e-30"/><bsdf type="null"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// A surface that turns no light aside: not there at all, or a filter.

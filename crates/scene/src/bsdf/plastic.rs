@@ -12,6 +12,8 @@ use crate::models::bsdf_inputs::{
     specular_probability,
 };
 use crate::models::fresnel;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless, plain};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -50,6 +52,26 @@ pub const MANUAL: Manual = Manual {
     <rgb name="diffuse_reflectance" value="0.1, 0.27, 0.36"/>
     <float name="int_ior" value="1.9"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="plastic"><boolean name="nonlinear" value="true"/></bsdf>"#),
+        lossless(r#"<bsdf type="plastic"><float name="diffuse_reflectance" value="1"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/><float name="diffuse_reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="plastic"><float name="int_ior" value="0.5"/><float name="diffuse_reflectance" value="1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="plastic"/>"#,
+        r#"<bsdf type="plastic"><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+        r#"<bsdf type="plastic"><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
 };
 
 /// A smooth coat over a matt base.

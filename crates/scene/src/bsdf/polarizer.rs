@@ -4,6 +4,8 @@ use super::null::Null;
 use crate::builder::Builder;
 use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::reflectance;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use etendue_document::Parameters;
 
 /// The parameter that all filters for polarised light have.
@@ -42,6 +44,20 @@ pub const MANUAL: Manual = Manual {
     <float name="theta" value="30"/>
     <rgb name="transmittance" value="0.9, 0.9, 0.8"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="polarizer"/>"#),
+        plain(r#"<bsdf type="polarizer"><float name="theta" value="30"/><rgb name="transmittance" value="0.2, 0.4, 0.8"/><boolean name="polarizing" value="false"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="polarizer"><float name="transmittance" value="0"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// Reads the parameters.

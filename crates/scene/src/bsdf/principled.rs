@@ -11,6 +11,8 @@ use crate::models::disney::{
     SHEEN_TINT, SPEC_TINT, normal_reflectance, sampling_rate, schlick, share_at, strength,
 };
 use crate::models::fresnel;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use crate::texture::{ScalarSource, Textures};
 use etendue_document::{Fault, Parameters};
 use etendue_sampling::warp::cosine_hemisphere;
@@ -69,6 +71,24 @@ pub const MANUAL: Manual = Manual {
     <float name="clearcoat" value="0.6"/>
     <float name="clearcoat_gloss" value="0.3"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="principled"/>"#),
+        plain(r#"<bsdf type="principled"><float name="metallic" value="0.8"/><float name="roughness" value="0.3"/><float name="anisotropic" value="0.7"/><float name="spec_tint" value="0.5"/></bsdf>"#),
+        plain(r#"<bsdf type="principled"><float name="clearcoat" value="1"/><float name="roughness" value="0.8"/><float name="flatness" value="0.7"/><float name="sheen" value="0.5"/><float name="sheen_tint" value="0.5"/></bsdf>"#),
+        plain(r#"<bsdf type="principled"><float name="spec_trans" value="0.8"/><float name="roughness" value="0.6"/><float name="clearcoat" value="0.5"/><float name="eta" value="1.4"/></bsdf>"#),
+        plain(r#"<bsdf type="principled"><float name="spec_trans" value="1"/><float name="base_color" value="1"/><float name="eta" value="0.8"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="principled"><float name="roughness" value="0"/><float name="anisotropic" value="1"/><float name="clearcoat" value="10000"/><float name="clearcoat_gloss" value="1"/></bsdf>"#,
+        r#"<bsdf type="principled"><float name="roughness" value="0"/><float name="spec_trans" value="1"/><float name="eta" value="1000"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// Disney's material.

@@ -11,6 +11,8 @@ use crate::models::disney::{
 };
 use crate::models::fresnel;
 use crate::models::microfacet::Microfacets;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, one_way, plain};
 use crate::texture::{ScalarSource, Textures};
 use etendue_document::Parameters;
 use etendue_sampling::warp::cosine_hemisphere;
@@ -81,6 +83,20 @@ pub const MANUAL: Manual = Manual {
     <float name="diff_trans" value="0.3"/>
     <float name="eta" value="1.33"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="principledthin"><float name="diff_trans" value="0.7"/><float name="sheen" value="0.3"/></bsdf>"#),
+        one_way(r#"<bsdf type="principledthin"><float name="spec_trans" value="0.7"/><float name="diff_trans" value="0.7"/><float name="roughness" value="0.7"/><float name="anisotropic" value="0.5"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="principledthin"><float name="roughness" value="0"/><float name="spec_trans" value="1"/><float name="eta" value="0.001"/><float name="diff_trans" value="2"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// Disney's material for sheets.

@@ -5,6 +5,8 @@ use super::polarizer::TRANSMITTANCE;
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::reflectance;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless, plain};
 use etendue_document::Parameters;
 
 /// The manual page.
@@ -27,6 +29,20 @@ pub const MANUAL: Manual = Manual {
         TRANSMITTANCE,
     ],
     sample: r#"<bsdf type="retarder"><float name="delta" value="180"/></bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="retarder"><float name="theta" value="30"/><float name="delta" value="45"/><rgb name="transmittance" value="0.2, 0.4, 0.8"/></bsdf>"#),
+        lossless(r#"<bsdf type="retarder"/>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="retarder"><float name="transmittance" value="0"/><float name="delta" value="1e30"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// Reads the parameters.

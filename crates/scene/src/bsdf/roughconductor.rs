@@ -9,6 +9,8 @@ use crate::manual::{Manual, ParameterManual, parameter};
 use crate::models::bsdf_inputs::{MetalIndex, Roughness, reflectance};
 use crate::models::fresnel;
 use crate::models::microfacet::{Distribution, Microfacets};
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -66,6 +68,41 @@ pub const MANUAL: Manual = Manual {
     <float name="alpha_u" value="0.05"/>
     <float name="alpha_v" value="0.3"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="roughconductor"><string name="material" value="Cu"/><float name="alpha" value="0.02"/></bsdf>"#),
+        plain(r#"<bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf>"#),
+        plain(r#"<bsdf type="roughconductor"><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.6"/></bsdf>"#),
+        plain(r#"<bsdf type="roughconductor"><float name="alpha" value="0.4"/><boolean name="sample_visible" value="false"/></bsdf>"#),
+        plain(r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0.05"/></bsdf>"#),
+        plain(r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0.7"/></bsdf>"#),
+        plain(r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.5"/><float name="alpha_v" value="0.1"/></bsdf>"#),
+        plain(r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0.3"/><boolean name="sample_visible" value="false"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="roughconductor"><float name="alpha" value="0"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><string name="material" value="Au"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><float name="alpha" value="10000"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><float name="alpha_u" value="0"/><float name="alpha_v" value="5"/><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/><float name="eta" value="0"/><float name="k" value="0"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><float name="alpha" value="100"/><string name="distribution" value="ggx"/><float name="eta" value="1e30"/><float name="k" value="1e30"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><boolean name="sample_visible" value="false"/><float name="eta" value="1"/><float name="k" value="0"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><string name="material" value="Cu"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha" value="0"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.001"/><float name="alpha_v" value="10000"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/></bsdf></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><string name="material" value="Cu"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0"/></bsdf>"#,
+        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.001"/><float name="alpha_v" value="10000"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
 };
 
 /// A rough metal.

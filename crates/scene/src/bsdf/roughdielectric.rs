@@ -11,6 +11,8 @@ use crate::manual::Manual;
 use crate::models::bsdf_inputs::{Roughness, reflectance, rough_relative_index};
 use crate::models::fresnel;
 use crate::models::microfacet::{Distribution, Microfacets, NormalSampling};
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -38,6 +40,36 @@ pub const MANUAL: Manual = Manual {
     <float name="alpha" value="0.2"/>
     <string name="int_ior" value="bk7"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="roughdielectric"><float name="alpha" value="0.1"/></bsdf>"#),
+        plain(r#"<bsdf type="roughdielectric"><float name="alpha_u" value="0.5"/><float name="alpha_v" value="0.2"/><rgb name="specular_reflectance" value="0.9, 0.5, 0.7"/></bsdf>"#),
+        plain(r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0.5"/></bsdf>"#),
+        plain(r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0.3"/><float name="int_ior" value="1"/><float name="ext_ior" value="1.7"/></bsdf>"#),
+        plain(r#"<bsdf type="roughdielectric"><float name="alpha" value="0.4"/><boolean name="sample_visible" value="false"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="roughdielectric"><float name="alpha" value="0"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><float name="alpha" value="0.5"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><float name="alpha" value="0.001"/><float name="int_ior" value="1.0001"/><float name="ext_ior" value="1"/><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><float name="alpha" value="3"/><float name="int_ior" value="1000"/><boolean name="sample_visible" value="false"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha" value="0"/><string name="ext_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha" value="0.6"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0"/><string name="ext_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0.6"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
+    ],
 };
 
 /// A rough dielectric interface.

@@ -5,6 +5,8 @@ use crate::builder::Builder;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::{limited, reflectance, scalar_within};
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use crate::texture::{ColorSource, ScalarSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::safe_acos;
@@ -42,6 +44,20 @@ pub const MANUAL: Manual = Manual {
     <rgb name="reflectance" value="0.6, 0.5, 0.4"/>
     <float name="alpha" value="0.5"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="roughdiffuse"><float name="alpha" value="0.5"/></bsdf>"#),
+        plain(r#"<bsdf type="roughdiffuse"><boolean name="use_fast_approx" value="true"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="roughdiffuse"><float name="alpha" value="10000"/></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// Which form of Oren and Nayar's model.

@@ -16,6 +16,8 @@ use crate::models::bsdf_inputs::{
 use crate::models::coat::{Coat, CoatTable, Coats};
 use crate::models::fresnel;
 use crate::models::microfacet::{Distribution, Microfacets};
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, plain};
 use crate::texture::{ColorSource, ScalarSource, Textures};
 use etendue_document::{Fault, Parameters};
 use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
@@ -43,6 +45,30 @@ pub const MANUAL: Manual = Manual {
     <float name="int_ior" value="1.61"/>
     <rgb name="diffuse_reflectance" value="0, 0, 0"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="roughplastic"><float name="alpha" value="0.1"/><boolean name="nonlinear" value="true"/></bsdf>"#),
+        plain(r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.4"/></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="roughplastic"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><float name="alpha" value="0"/><float name="int_ior" value="100"/><float name="diffuse_reflectance" value="1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.001"/><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.6"/><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.3"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.001"/><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.6"/><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
+        r#"<bsdf type="twosided"><bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.3"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
+    ],
 };
 
 /// A rough coat over a matt base.

@@ -9,6 +9,8 @@ use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::Manual;
 use crate::models::bsdf_inputs::{reflectance, relative_index};
 use crate::models::fresnel;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, lossless};
 use crate::texture::{ColorSource, Textures};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
@@ -23,6 +25,24 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="thindielectric">
     <string name="int_ior" value="bk7"/>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        lossless(r#"<bsdf type="thindielectric"/>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="thindielectric"><float name="int_ior" value="1000"/></bsdf>"#,
+    ],
+    batched: &[
+        r#"<bsdf type="thindielectric"/>"#,
+        r#"<bsdf type="thindielectric"><string name="int_ior" value="diamond"/></bsdf>"#,
+        r#"<bsdf type="thindielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
+        r#"<bsdf type="thindielectric"><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
+    ],
 };
 
 /// A thin dielectric pane.

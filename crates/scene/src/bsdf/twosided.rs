@@ -5,6 +5,8 @@ use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::nested;
+#[cfg(test)]
+use crate::testing::bsdf_cases::{Cases, one_way, plain};
 use etendue_document::{Fault, Parameters};
 use glam::Vec3;
 
@@ -21,6 +23,20 @@ pub const MANUAL: Manual = Manual {
         <rgb name="reflectance" value="0.4, 0.4, 0.4"/>
     </bsdf>
 </bsdf>"#,
+};
+
+/// What the tests of all materials try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        plain(r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="ggx"/></bsdf><bsdf type="diffuse"/></bsdf>"#),
+        one_way(r#"<bsdf type="twosided"><bsdf type="normalmap"><rgb name="normalmap" value="0.3, 0.4, 0.9"/><bsdf type="diffuse"/></bsdf></bsdf>"#),
+    ],
+    extreme: &[
+        r#"<bsdf type="twosided"><bsdf type="roughconductor"><float name="alpha" value="0"/></bsdf></bsdf>"#,
+    ],
+    batched: &[],
 };
 
 /// A material for each side.

@@ -8,6 +8,8 @@ use crate::lanes::{LightLanes, TargetLanes};
 use crate::manual::{Manual, parameter};
 use crate::models::mesh::{Glow, LightPoint, Mesh, Parallelogram, ParallelogramBatch};
 use crate::shape::{Geometry, Shape, ShapeSample, area_to_solid_angle_lanes};
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use crate::texture::{ColorSource, Texture};
 use etendue_document::Parameters;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
@@ -31,6 +33,32 @@ pub const MANUAL: Manual = Manual {
         SAMPLING_WEIGHT,
     ],
     sample: r#"<shape type="sphere"><emitter type="area"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[
+        r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#,
+        r#"<shape type="sphere"><float name="radius" value="2"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+        r#"<shape type="sphere"><point name="center" x="60" y="-40" z="9"/><float name="radius" value="20"/><emitter type="area"/></shape>"#,
+        r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"/></shape>"#,
+        r#"<shape type="disk"><transform name="to_world"><scale x="2" y="1" z="1"/><rotate x="1" angle="190"/><translate z="2"/></transform><emitter type="area"/></shape>"#,
+        r#"<shape type="cylinder"><point name="p0" x="0" y="-2" z="0"/><point name="p1" x="0" y="3" z="1"/><float name="radius" value="1.5"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+        r#"<shape type="revsurface"><curve type="bezier"><vec value="0, -1.5, 0"/><vec value="2, -1.5, 0"/><vec value="1.2, 1.5, 0"/><vec value="0, 1.5, 0"/></curve><transform name="to_world"><scale x="1" y="1" z="1.5"/><rotate x="1" angle="60"/></transform><emitter type="area"/></shape>"#,
+        r#"<shape type="cube"><transform name="to_world"><scale x="1" y="2" z="1.5"/></transform><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
+        r#"<shape type="rectangle"><transform name="to_world"><scale x="2"/><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="sky.exr"/></texture></emitter></shape>"#,
+        r#"<shape type="cube"><boolean name="flip_normals" value="true"/><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="sky.exr"/><transform name="to_uv"><scale value="2"/></transform></texture></emitter></shape>"#,
+    ],
+    leaving: &[
+        r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="170"/><translate z="1"/></transform><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="slide.exr"/></texture></emitter></shape>"#,
+        r#"<shape type="sphere"><point name="center" x="0" y="0" z="1"/><emitter type="area"/></shape>"#,
+    ],
+    extreme: &[
+        r#"<shape type="sphere"><float name="radius" value="1e-20"/><emitter type="area"><rgb name="radiance" value="1e30, 0, 0"/></emitter></shape>"#,
+        r#"<shape type="rectangle"><transform name="to_world"><scale x="1e-10" y="1e10"/></transform><emitter type="area"/></shape>"#,
+    ],
 };
 
 /// A glowing shape.

@@ -9,6 +9,8 @@ use crate::interaction::SurfaceInteraction;
 use crate::lanes::{LightLanes, TargetLanes};
 use crate::manual::{Manual, parameter};
 use crate::shape::Shape;
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use etendue_document::Parameters;
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_sampling::warp;
@@ -21,6 +23,21 @@ pub const MANUAL: Manual = Manual {
     summary: "Surrounds the scene with the same radiance from all directions.",
     parameters: &[parameter("radiance", "spectrum", "1", "Radiance, W·m⁻²·sr⁻¹."), SAMPLING_WEIGHT],
     sample: r#"<emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[
+        r#"<emitter type="constant"/>"#,
+    ],
+    leaving: &[
+        r#"<emitter type="constant"/>"#,
+    ],
+    extreme: &[
+        r#"<emitter type="constant"><float name="radiance" value="0"/></emitter>"#,
+    ],
 };
 
 /// Uniform surroundings.

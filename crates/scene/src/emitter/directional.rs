@@ -3,6 +3,8 @@
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, ray_from_afar};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use etendue_document::{Fault, Parameters};
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{DVec3, Vec2, Vec3};
@@ -27,6 +29,19 @@ pub const MANUAL: Manual = Manual {
         SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="directional"><vector name="direction" x="1" y="-2" z="0.5"/></emitter>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[],
+    leaving: &[
+        r#"<emitter type="directional"><vector name="direction" x="0.2" y="0.1" z="-1"/></emitter>"#,
+    ],
+    extreme: &[
+        r#"<emitter type="directional"><vector name="direction" x="1e-20" y="0" z="0"/></emitter>"#,
+    ],
 };
 
 /// A directional light.

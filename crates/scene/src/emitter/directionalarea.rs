@@ -5,6 +5,8 @@ use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
 use crate::builder::Builder;
 use crate::ids::ShapeId;
 use crate::manual::{Manual, parameter};
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use crate::texture::ColorSource;
 use etendue_document::Parameters;
 use etendue_spectrum::SpectrumUse;
@@ -25,6 +27,17 @@ pub const MANUAL: Manual = Manual {
         SAMPLING_WEIGHT,
     ],
     sample: r#"<shape type="rectangle"><emitter type="directionalarea"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[],
+    leaving: &[],
+    extreme: &[
+        r#"<shape type="disk"><transform name="to_world"><scale value="1e10"/></transform><emitter type="directionalarea"/></shape>"#,
+    ],
 };
 
 /// A shape that shines straight ahead only.

@@ -4,9 +4,11 @@ use super::{
     DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, sample_ray_from_afar,
 };
 use crate::builder::{Assets, Builder, read_transform};
+use crate::inputs::picture_in_memory;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
-use crate::models::picture_in_memory;
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use etendue_document::{Fault, Parameters};
 use etendue_image::{Bitmap, decode};
 use etendue_math::Transform;
@@ -41,6 +43,21 @@ pub const MANUAL: Manual = Manual {
         SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="envmap"><string name="filename" value="sample.exr"/><float name="scale" value="2"/></emitter>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[
+        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/><transform name="to_world"><rotate x="1" y="2" z="0.5" angle="40"/></transform></emitter>"#,
+    ],
+    leaving: &[
+        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#,
+    ],
+    extreme: &[
+        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/><transform name="to_world"><scale x="1e-10" y="1" z="1e10"/></transform></emitter>"#,
+    ],
 };
 
 /// A picture of the surroundings. Clones share the picture.

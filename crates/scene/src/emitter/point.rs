@@ -3,6 +3,8 @@
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target};
 use crate::builder::{Builder, read_transform};
 use crate::manual::{Manual, parameter};
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_sampling::warp;
@@ -20,6 +22,19 @@ pub const MANUAL: Manual = Manual {
         SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="point"><point name="position" x="0" y="5" z="0"/><rgb name="intensity" value="10"/></emitter>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[],
+    leaving: &[
+        r#"<emitter type="point"><point name="position" x="0.3" y="0.2" z="1"/></emitter>"#,
+    ],
+    extreme: &[
+        r#"<emitter type="point"><float name="intensity" value="1e30"/></emitter>"#,
+    ],
 };
 
 /// A point light.

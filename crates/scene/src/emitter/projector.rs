@@ -3,9 +3,11 @@
 use super::point::point_sample;
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
 use crate::builder::{Builder, read_transform};
+use crate::inputs::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
-use crate::models::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use crate::texture::{ColorSource, Texture, Textures};
 use etendue_document::Parameters;
 use etendue_math::{Frame, Ray, Transform};
@@ -38,6 +40,19 @@ pub const MANUAL: Manual = Manual {
     <float name="fov" value="40"/>
     <transform name="to_world"><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, 1"/></transform>
 </emitter>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[],
+    leaving: &[
+        r#"<emitter type="projector"><texture name="irradiance" type="bitmap"><string name="filename" value="slide.exr"/></texture><float name="fov" value="40"/><transform name="to_world"><lookat origin="0.3, 0.5, 2" target="0.1, 0, -1" up="0, 1, 0"/></transform></emitter>"#,
+    ],
+    extreme: &[
+        r#"<emitter type="projector"><float name="fov" value="179"/><float name="irradiance" value="1e20"/></emitter>"#,
+    ],
 };
 
 /// A slide projector.

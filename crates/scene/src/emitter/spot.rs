@@ -5,6 +5,8 @@ use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
 use crate::builder::{Builder, read_transform};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use crate::texture::{ColorSource, Textures};
 use etendue_document::{Fault, Parameters};
 use etendue_math::{Frame, Ray, Transform};
@@ -36,6 +38,20 @@ pub const MANUAL: Manual = Manual {
         SAMPLING_WEIGHT,
     ],
     sample: r#"<emitter type="spot"><transform name="to_world"><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, 1"/></transform><float name="cutoff_angle" value="30"/></emitter>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[],
+    leaving: &[
+        r#"<emitter type="spot"><float name="cutoff_angle" value="25"/><texture name="texture" type="bitmap"><string name="filename" value="slide.exr"/></texture><transform name="to_world"><lookat origin="0.3, 0.5, 2" target="0.1, 0, -1" up="0, 1, 0"/></transform></emitter>"#,
+    ],
+    extreme: &[
+        r#"<emitter type="spot"><float name="cutoff_angle" value="0.01"/><float name="beam_width" value="0"/></emitter>"#,
+        r#"<emitter type="spot"><float name="cutoff_angle" value="89.99"/></emitter>"#,
+    ],
 };
 
 /// A spot light. Angles are in radians.

@@ -9,6 +9,8 @@ use super::{
 use crate::builder::{Builder, read_transform};
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
+#[cfg(test)]
+use crate::testing::emitter_cases::Cases;
 use crate::texture::ColorSource;
 use etendue_document::{Fault, Parameters};
 use etendue_math::{Frame, Transform};
@@ -59,6 +61,21 @@ pub const MANUAL: Manual = Manual {
     <float name="turbidity" value="4"/>
     <vector name="sun_direction" x="0.3" y="0.2" z="0.5"/>
 </emitter>"#,
+};
+
+/// What the tests of all emitters try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    hittable: &[
+        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/><float name="sun_aperture" value="30"/><transform name="to_world"><rotate x="1" angle="30"/></transform></emitter>"#,
+    ],
+    leaving: &[
+        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/></emitter>"#,
+    ],
+    extreme: &[
+        r#"<emitter type="sunsky"><vector name="sun_direction" x="1" y="0" z="0"/><float name="turbidity" value="10"/></emitter>"#,
+    ],
 };
 
 /// The sun's true angle, in degrees: its light is that of a disk of this size.

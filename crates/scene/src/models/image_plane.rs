@@ -1,8 +1,52 @@
 //! The image in front of a pinhole, in world space.
 
-use crate::sensor::SensorCommon;
+use super::connection::Connection;
+use etendue_math::Transform;
 use etendue_math::lanes::{Real, Vector2, Vector3};
-use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Mat3, Vec2, Vec3};
+
+/// What all sensors have.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorCommon {
+    /// Camera to world.
+    pub to_world: Transform,
+    /// Where rays start, along the camera's z axis.
+    pub near_clip: f32,
+    /// Where rays end, along the camera's z axis.
+    pub far_clip: f32,
+    /// When the shutter opens.
+    pub shutter_open: f32,
+    /// When the shutter closes, not before it opens. Nothing moves yet.
+    pub shutter_close: f32,
+}
+
+impl SensorCommon {
+    /// The connection of a point with an origin on the lens, given the point's distance along the view in
+    /// camera space, and what [`pinhole`](super::connection::pinhole) says.
+    pub(crate) fn connection(
+        &self,
+        point: Vec3,
+        (origin, depth): (Vec3, f32),
+        (film_position, importance): (Vec2, f32),
+    ) -> Option<Connection> {
+        if !(self.near_clip..=self.far_clip).contains(&depth) {
+            return None;
+        }
+        let path = origin - point;
+        let distance = path.length();
+        Some(Connection {
+            film_position,
+            direction: path / distance,
+            distance: distance * (1.0 - self.near_clip / depth),
+            importance: importance / (distance * distance),
+        })
+    }
+
+    /// The linear part of camera to world.
+    pub(crate) fn matrix(&self) -> DMat3 {
+        Mat3::from(self.to_world.affine().matrix3).as_dmat3()
+    }
+}
 
 /// How a pinhole camera sees: what the film covers at distance one.
 #[derive(Clone, Copy, Debug, PartialEq)]

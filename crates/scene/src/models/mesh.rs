@@ -11,7 +11,7 @@ pub use picture::Glow;
 pub use triangle::TriangleBatch;
 
 use crate::interaction::SurfaceInteraction;
-use crate::shape::{ShapeSample, SurfacePoint};
+use crate::interaction::{ShapeSample, SurfacePoint};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Vector2, Vector3};
 use etendue_math::{Bounds3, Transform, rounding_error_bound};

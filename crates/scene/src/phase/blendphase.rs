@@ -1,5 +1,7 @@
 //! `blendphase`: a mixture of two phase functions.
 
+#[cfg(test)]
+use super::tests::Cases;
 use super::{MediumInteraction, PhaseFunction, PhaseModel, PhaseSample};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
@@ -23,6 +25,20 @@ pub const MANUAL: Manual = Manual {
     <phase name="phase_0" type="isotropic"/>
     <phase name="phase_1" type="hg"><float name="g" value="0.2"/></phase>
 </phase>"#,
+};
+
+/// What the tests of all phase functions try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        r#"<phase type="blendphase"><float name="weight" value="0.3"/><phase type="rayleigh"/><phase type="hg"/></phase>"#,
+        r#"<phase type="blendphase"><phase name="b" type="hg"/><phase name="a" type="blendphase"><phase type="isotropic"/><phase type="rayleigh"/></phase></phase>"#,
+    ],
+    extreme: &[
+        r#"<phase type="blendphase"><float name="weight" value="1e-30"/><phase type="rayleigh"/><phase type="hg"><float name="g" value="0.99999"/></phase></phase>"#,
+        r#"<phase type="blendphase"><float name="weight" value="1"/><phase type="isotropic"/><phase type="rayleigh"/></phase>"#,
+    ],
 };
 
 /// A mixture of two phase functions.

@@ -1,5 +1,7 @@
 //! `hg`: the phase function of Henyey and Greenstein.
 
+#[cfg(test)]
+use super::tests::Cases;
 use super::{MediumInteraction, PhaseModel, PhaseSample, deflected, forwardness};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
@@ -18,6 +20,23 @@ pub const MANUAL: Manual = Manual {
         "The mean cosine of the scattering angle, between −1 and 1: positive scatters forward.",
     )],
     sample: r#"<phase type="hg"><float name="g" value="0.7"/></phase>"#,
+};
+
+/// What the tests of all phase functions try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        r#"<phase type="hg"><float name="g" value="0"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="0.0009"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="0.85"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="-0.6"/></phase>"#,
+    ],
+    extreme: &[
+        r#"<phase type="hg"><float name="g" value="0.9999"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="-0.9999"/></phase>"#,
+        r#"<phase type="hg"><float name="g" value="1e-30"/></phase>"#,
+    ],
 };
 
 /// Henyey and Greenstein, "Diffuse radiation in the galaxy", *Astrophysical Journal* 93, 1941.

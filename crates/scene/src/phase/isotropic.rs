@@ -1,5 +1,7 @@
 //! `isotropic`: scattering without memory of where light came from.
 
+#[cfg(test)]
+use super::tests::Cases;
 use super::{MediumInteraction, PhaseModel, PhaseSample};
 use crate::builder::Builder;
 use crate::manual::Manual;
@@ -13,6 +15,18 @@ pub const MANUAL: Manual = Manual {
     summary: "Scatters light evenly in all directions. Media without a phase function have this one.",
     parameters: &[],
     sample: r#"<phase type="isotropic"/>"#,
+};
+
+/// What the tests of all phase functions try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        r#"<phase type="isotropic"/>"#,
+    ],
+    extreme: &[
+        r#"<phase type="isotropic"/>"#,
+    ],
 };
 
 /// The density of every direction.

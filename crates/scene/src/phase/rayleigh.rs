@@ -1,5 +1,7 @@
 //! `rayleigh`: scattering by particles much smaller than the wavelength.
 
+#[cfg(test)]
+use super::tests::Cases;
 use super::{MediumInteraction, PhaseModel, PhaseSample, deflected, forwardness};
 use crate::builder::Builder;
 use crate::manual::Manual;
@@ -13,6 +15,18 @@ pub const MANUAL: Manual = Manual {
               of air; polarisation is left out.",
     parameters: &[],
     sample: r#"<phase type="rayleigh"/>"#,
+};
+
+/// What the tests of all phase functions try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        r#"<phase type="rayleigh"/>"#,
+    ],
+    extreme: &[
+        r#"<phase type="rayleigh"/>"#,
+    ],
 };
 
 /// Rayleigh's, of particles much smaller than the wavelength.

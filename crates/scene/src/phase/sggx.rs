@@ -1,5 +1,7 @@
 //! `sggx`: a cloud of microflakes, whose normals are spread as those of an ellipsoid.
 
+#[cfg(test)]
+use super::tests::Cases;
 use super::{MediumInteraction, PhaseModel, PhaseSample};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
@@ -25,6 +27,21 @@ pub const MANUAL: Manual = Manual {
          `gridvolume` with six values in a cell, or six numbers; required.",
     )],
     sample: r#"<phase type="sggx"><string name="S" value="0.2, 1, 0.2, 0, 0, 0"/></phase>"#,
+};
+
+/// What the tests of all phase functions try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        r#"<phase type="sggx"><string name="S" value="1 1 1 0 0 0"/></phase>"#,
+        r#"<phase type="sggx"><string name="S" value="0.1 0.8 0.3 0.05 -0.1 0.2"/></phase>"#,
+        r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="flakes.vol"/></volume></phase>"#,
+    ],
+    extreme: &[
+        r#"<phase type="sggx"><string name="S" value="1e-6 1e-6 1 0 0 0"/></phase>"#,
+        r#"<phase type="sggx"><string name="S" value="1e-6 1 1 0 0 0"/></phase>"#,
+    ],
 };
 
 /// Heitz, Dupuy, Crassin and Dachsbacher, "The SGGX microflake distribution", *ACM Transactions on

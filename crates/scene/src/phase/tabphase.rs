@@ -1,5 +1,7 @@
 //! `tabphase`: a phase function from a table.
 
+#[cfg(test)]
+use super::tests::Cases;
 use super::{MediumInteraction, PhaseModel, PhaseSample, deflected, forwardness};
 use crate::builder::Builder;
 use crate::manual::{Manual, parameter};
@@ -20,6 +22,20 @@ pub const MANUAL: Manual = Manual {
         "Two values or more, separated by commas or spaces; required.",
     )],
     sample: r#"<phase type="tabphase"><string name="values" value="0.5, 1.0, 1.5"/></phase>"#,
+};
+
+/// What the tests of all phase functions try.
+#[cfg(test)]
+#[rustfmt::skip]
+pub(crate) const CASES: Cases = Cases {
+    usual: &[
+        r#"<phase type="tabphase"><string name="values" value="0.5, 0, 0 2 1.5"/></phase>"#,
+        r#"<phase type="tabphase"><string name="values" value="0 1"/></phase>"#,
+    ],
+    extreme: &[
+        r#"<phase type="tabphase"><string name="values" value="0 0 1e30"/></phase>"#,
+        r#"<phase type="tabphase"><string name="values" value="1e-30 0"/></phase>"#,
+    ],
 };
 
 /// A table over the cosine of the scattering angle.

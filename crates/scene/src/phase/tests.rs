@@ -1,8 +1,9 @@
 //! Every phase function: samples follow the density, which integrates to one.
 
+use super::phase_list;
 use super::*;
 use crate::builder::{Assets, BuildOptions, Builder};
-use crate::models::grid_file::tests::file;
+use crate::inputs::grid_file::tests::file;
 use etendue_document::{Class, Diagnostics, MemoryResources};
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_testkit::ChiSquare;
@@ -34,24 +35,49 @@ fn phase(text: &str) -> PhaseFunction {
     phase.unwrap_or_else(|| panic!("{text}: {findings:?}"))
 }
 
-/// The matrix of [`ALL`]'s second `sggx`.
+/// The matrix of [`SGGX`].
 const FLAKES: [f32; 6] = [0.1, 0.8, 0.3, 0.05, -0.1, 0.2];
 
-const ALL: [&str; 13] = [
-    r#"<phase type="isotropic"/>"#,
-    r#"<phase type="hg"><float name="g" value="0"/></phase>"#,
-    r#"<phase type="hg"><float name="g" value="0.0009"/></phase>"#,
-    r#"<phase type="hg"><float name="g" value="0.85"/></phase>"#,
-    r#"<phase type="hg"><float name="g" value="-0.6"/></phase>"#,
-    r#"<phase type="rayleigh"/>"#,
-    r#"<phase type="tabphase"><string name="values" value="0.5, 0, 0 2 1.5"/></phase>"#,
-    r#"<phase type="tabphase"><string name="values" value="0 1"/></phase>"#,
-    r#"<phase type="sggx"><string name="S" value="1 1 1 0 0 0"/></phase>"#,
-    r#"<phase type="sggx"><string name="S" value="0.1 0.8 0.3 0.05 -0.1 0.2"/></phase>"#,
-    r#"<phase type="blendphase"><float name="weight" value="0.3"/><phase type="rayleigh"/><phase type="hg"/></phase>"#,
-    r#"<phase type="blendphase"><phase name="b" type="hg"/><phase name="a" type="blendphase"><phase type="isotropic"/><phase type="rayleigh"/></phase></phase>"#,
-    r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="flakes.vol"/></volume></phase>"#,
-];
+/// The cases of a plugin. Each is a `<phase>` element.
+pub(crate) struct Cases {
+    /// Phase functions as scenes have them: samples against densities.
+    pub(crate) usual: &'static [&'static str],
+    /// Phase functions so sharp or so strange that their formulas lose digits: nothing may become
+    /// infinite, negative or NaN.
+    pub(crate) extreme: &'static [&'static str],
+}
+
+/// Makes `PLUGINS` from the list of phase functions.
+macro_rules! cases {
+    ($($module:ident => $name:ident($type:ty);)*) => {
+        /// The name and the cases of every plugin.
+        const PLUGINS: &[(&str, &Cases)] = &[$((stringify!($module), &$module::CASES)),*];
+    };
+}
+
+phase_list!(cases);
+
+/// The usual cases of all plugins.
+fn usual() -> impl Iterator<Item = &'static str> {
+    PLUGINS.iter().flat_map(|(_, cases)| cases.usual.iter().copied())
+}
+
+#[test]
+fn every_plugin_has_its_cases() {
+    for (name, cases) in PLUGINS {
+        let names_itself = |xml: &&str| xml.contains(&format!("type=\"{name}\""));
+        assert!(cases.usual.iter().any(names_itself), "`{name}` has no usual case");
+        assert!(cases.extreme.iter().any(names_itself), "`{name}` has no extreme case");
+    }
+}
+
+const HG: &str = r#"<phase type="hg"><float name="g" value="0.85"/></phase>"#;
+const RAYLEIGH: &str = r#"<phase type="rayleigh"/>"#;
+const TABLE: &str =
+    r#"<phase type="tabphase"><string name="values" value="0.5, 0, 0 2 1.5"/></phase>"#;
+const SGGX: &str =
+    r#"<phase type="sggx"><string name="S" value="0.1 0.8 0.3 0.05 -0.1 0.2"/></phase>"#;
+const BLEND: &str = r#"<phase type="blendphase"><float name="weight" value="0.3"/><phase type="rayleigh"/><phase type="hg"/></phase>"#;
 
 fn sites() -> [MediumInteraction; 2] {
     let site = |wi: Vec3| MediumInteraction { point: Vec3::new(0.3, 0.2, 0.1), wi: wi.normalize() };
@@ -60,8 +86,8 @@ fn sites() -> [MediumInteraction; 2] {
 
 #[test]
 fn samples_follow_the_density() {
-    let test_count = (ALL.len() * sites().len()) as u32;
-    for text in ALL {
+    let test_count = (usual().count() * sites().len()) as u32;
+    for text in usual() {
         let phase = phase(text);
         for site in sites() {
             let mut wrong = 0;
@@ -76,6 +102,31 @@ fn samples_follow_the_density() {
             );
             assert!(outcome.accepted(), "{text} {site:?}: {outcome:?}");
             assert_eq!(wrong, 0, "{text} {site:?}: the density of the sample is another one");
+        }
+    }
+}
+
+#[test]
+fn extreme_directions_and_parameters_stay_finite() {
+    let mut random = etendue_testkit::TestRng::new(3);
+    let extreme = PLUGINS.iter().flat_map(|(_, cases)| cases.extreme.iter().copied());
+    for text in usual().chain(extreme) {
+        let phase = phase(text);
+        for round in 0..2000 {
+            let wi = [Vec3::X, Vec3::NEG_Z, random.unit_vector()][round % 3];
+            let interaction = MediumInteraction { point: random.unit_vector() * 2.0, wi };
+            let wo = [wi, -wi, random.unit_vector()][round / 3 % 3];
+            let value = phase.eval(&interaction, wo);
+            assert!(value.is_finite() && value >= 0.0, "{text}: {wi} {wo} {value}");
+            let part = [0.0, 0.5, 1.0 - f32::EPSILON / 2.0][round / 9 % 3];
+            let sample = phase.sample(&interaction, part, random.next_vec2());
+            let sound = sample.is_none_or(|sample| {
+                let is_unit = (sample.wo.length() - 1.0).abs() < 1e-4;
+                is_unit && sample.pdf.is_finite() && sample.pdf > 0.0
+            });
+            assert!(sound, "{text}: {wi} {sample:?}");
+            let area = phase.projected_area(&interaction);
+            assert!(area.is_finite() && area > 0.0, "{text}: {wi} {area}");
         }
     }
 }
@@ -98,25 +149,25 @@ fn values_are_mitsubas() {
             .map(Vec3::normalize);
     let pairs = [(a, b), (a, c), (b, c)];
     let cases = [
-        (3, [0.020_870_16, 0.005_850_442, 0.005_397_206]),
-        (6, [0.170_796_7, 0.0, 0.0]),
-        (9, [0.022_943_06, 0.003_574_896, 0.045_444_15]),
-        (10, [0.057_188_89, 0.051_360_14, 0.054_146_35]),
+        (HG, [0.020_870_16, 0.005_850_442, 0.005_397_206]),
+        (TABLE, [0.170_796_7, 0.0, 0.0]),
+        (SGGX, [0.022_943_06, 0.003_574_896, 0.045_444_15]),
+        (BLEND, [0.057_188_89, 0.051_360_14, 0.054_146_35]),
     ];
-    for (index, values) in cases {
-        let phase = phase(ALL[index]);
+    for (text, values) in cases {
+        let phase = phase(text);
         for ((wi, wo), value) in pairs.into_iter().zip(values) {
             let found = phase.eval(&MediumInteraction { point: Vec3::splat(0.5), wi }, wo);
-            assert!((found - value).abs() <= 2e-5 * value, "{} {found} {value}", ALL[index]);
+            assert!((found - value).abs() <= 2e-5 * value, "{text} {found} {value}");
         }
     }
-    let area = phase(ALL[9]).projected_area(&MediumInteraction { point: Vec3::ZERO, wi: b });
+    let area = phase(SGGX).projected_area(&MediumInteraction { point: Vec3::ZERO, wi: b });
     assert!((area - 0.920_060_7).abs() < 1e-6);
 }
 
 #[test]
 fn sggx_is_symmetric_but_for_the_area() {
-    let phase = phase(ALL[9]);
+    let phase = phase(SGGX);
     let point = Vec3::ZERO;
     let [a, b] = [Vec3::new(0.3, -0.5, 0.7).normalize(), Vec3::new(-0.1, 0.9, 0.2).normalize()];
     let (from_a, from_b) = (MediumInteraction { point, wi: a }, MediumInteraction { point, wi: b });
@@ -133,7 +184,7 @@ fn sggx_is_symmetric_but_for_the_area() {
 #[test]
 fn sggx_reads_its_matrix_from_a_grid() {
     let grid = r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="even.vol"/></volume></phase>"#;
-    let (one, other) = (phase(ALL[9]), phase(grid));
+    let (one, other) = (phase(SGGX), phase(grid));
     let [from, to] = sites();
     for (site, wo) in [(from, to.wi), (to, from.wi), (from, Vec3::X)] {
         let values = [one.eval(&site, wo), other.eval(&site, wo)];
@@ -152,9 +203,9 @@ fn a_mixture_is_uniform_where_its_weight_or_the_area_is() {
         let parts = format!(r#"{part}<phase type="hg"/>"#);
         phase(&format!(r#"<phase type="blendphase">{weight}{parts}</phase>"#))
     };
-    let flakes = format!(r#"<phase type="blendphase">{}<phase type="hg"/></phase>"#, ALL[9]);
-    assert!(blend(ALL[5]).is_uniform() && phase(&flakes).is_uniform());
-    assert!(!blend(ALL[9]).is_uniform() && !blend(&flakes).is_uniform());
+    let flakes = format!(r#"<phase type="blendphase">{}<phase type="hg"/></phase>"#, SGGX);
+    assert!(blend(RAYLEIGH).is_uniform() && phase(&flakes).is_uniform());
+    assert!(!blend(SGGX).is_uniform() && !blend(&flakes).is_uniform());
 }
 
 #[test]

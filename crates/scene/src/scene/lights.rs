@@ -3,6 +3,9 @@
 //! Every lane has the bits of [`Scene::sample_light`]. Panels (flat lights of even radiance), other
 //! meshes of even radiance and even surroundings are sampled in lanes; the other emitters lane by lane.
 
+#[cfg(test)]
+mod tests;
+
 use crate::batch::{LightBatch, Places};
 use crate::emitter::area::{ParallelogramLightBatch, light_from};
 use crate::emitter::constant::light_from_everywhere;

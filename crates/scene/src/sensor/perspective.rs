@@ -6,9 +6,9 @@ use super::{
 };
 use crate::builder::Builder;
 use crate::film::FilmSpec;
+use crate::inputs::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use crate::manual::{Manual, parameter};
 use crate::models::connection::{Connection, pinhole};
-use crate::models::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use crate::models::image_plane::{ImagePlane, View};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Lanes, Real, Simd, Vector2, Vector3};

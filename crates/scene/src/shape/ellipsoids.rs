@@ -2,8 +2,8 @@
 
 use super::{ShapeModel, SurfacePoint};
 use crate::builder::Assets;
+use crate::inputs::ellipsoid_file::{self, Ellipsoid};
 use crate::manual::Manual;
-use crate::models::ellipsoid_file::{self, Ellipsoid};
 use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::Parameters;
 use etendue_math::polynomial::quadratic_roots;

@@ -2,8 +2,8 @@
 
 use super::{Geometry, ShapeModel, SurfacePoint, cube};
 use crate::builder::Assets;
+use crate::inputs::ellipsoid_file::{self, Ellipsoid};
 use crate::manual::{Manual, parameter};
-use crate::models::ellipsoid_file::{self, Ellipsoid};
 use crate::models::mesh::{Mesh, MeshOptions};
 use crate::plugin::find;
 use etendue_bvh::{Hit, PrimitiveHit};

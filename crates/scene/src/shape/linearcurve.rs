@@ -2,8 +2,8 @@
 
 use super::{ShapeModel, SurfacePoint};
 use crate::builder::Assets;
+use crate::inputs::curve_file::{self, Curves};
 use crate::manual::{Manual, parameter};
-use crate::models::curve_file::{self, Curves};
 use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::Parameters;
 use etendue_math::{

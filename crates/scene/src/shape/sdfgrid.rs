@@ -6,8 +6,8 @@
 
 use super::{ShapeModel, SurfacePoint};
 use crate::builder::{Assets, read_transform};
+use crate::inputs::grid_file;
 use crate::manual::{Manual, parameter};
-use crate::models::grid_file;
 use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Fault, Parameters};
 use etendue_math::polynomial::quadratic_roots;

@@ -2,12 +2,12 @@
 
 use super::{TextureModel, Textures};
 use crate::builder::{Assets, Builder};
+use crate::inputs::picture_in_memory;
+use crate::inputs::texels::Texels;
+pub use crate::inputs::texels::{Channel, WrapMode};
+use crate::inputs::uv::read_to_uv;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
-use crate::models::picture_in_memory;
-pub use crate::models::texels::Channel;
-use crate::models::texels::Texels;
-use crate::models::uv::read_to_uv;
 use etendue_document::{Fault, Parameters};
 use etendue_image::{Bitmap, ImageError};
 use etendue_spectrum::Spectrum;
@@ -78,18 +78,6 @@ pub enum FilterMode {
     Bilinear,
     /// The value of the nearest.
     Nearest,
-}
-
-/// What lies outside the unit square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum WrapMode {
-    /// The same again.
-    #[default]
-    Repeat,
-    /// The same reversed, and again.
-    Mirror,
-    /// The outermost texels.
-    Clamp,
 }
 
 /// How a picture is read.

@@ -2,9 +2,9 @@
 
 use super::{ColorSource, TextureModel, Textures};
 use crate::builder::Builder;
+use crate::inputs::uv::read_to_uv;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
-use crate::models::uv::read_to_uv;
 use etendue_document::Parameters;
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{Affine2, Vec2};

@@ -2,9 +2,9 @@
 
 use super::{UNIT_CUBE, VolumeModel};
 use crate::builder::{Assets, Builder};
+use crate::inputs::grid_file::{self, GridError, GridFile};
+use crate::inputs::texels::WrapMode;
 use crate::manual::{Manual, parameter};
-use crate::models::grid_file::{self, GridError, GridFile};
-use crate::texture::bitmap::WrapMode;
 use etendue_document::{Fault, Parameters};
 use etendue_math::{Bounds3, Transform};
 use etendue_spectrum::Spectrum;

@@ -3,6 +3,7 @@
 use super::*;
 use crate::interaction::SurfaceInteraction;
 use crate::scattering::{BsdfSample, Lobe};
+use crate::testing::bsdf_cases::PLUGINS;
 use crate::testing::material::{TestMaterial, surface};
 use etendue_math::lanes::{LaneMask, Lanes, Level, MAX_LANES, Mask as _, Simd, baseline};
 use etendue_math::with_lanes;
@@ -10,77 +11,23 @@ use etendue_spectrum::Spectrum;
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
 
-/// Materials of every kind, in the order of the kinds, with parameters that differ from lane to lane
-/// and go to their limits.
-#[rustfmt::skip]
-const MATERIALS: &[&[&str]] = &[
-    &[
-        r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.5, 0.8"/></bsdf>"#,
-        r#"<bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>"#,
-        r#"<bsdf type="diffuse"><texture name="reflectance" type="checkerboard"/></bsdf>"#,
-        r#"<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="plastic"/>"#,
-        r#"<bsdf type="plastic"><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
-        r#"<bsdf type="plastic"><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
-        r#"<bsdf type="twosided"><bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/></bsdf>"#,
-        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.001"/><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
-        r#"<bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.6"/><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
-        r#"<bsdf type="twosided"><bsdf type="roughplastic"><string name="distribution" value="beckmann"/><float name="alpha" value="0.3"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/></bsdf>"#,
-        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.001"/><rgb name="diffuse_reflectance" value="0, 0.5, 1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
-        r#"<bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.6"/><float name="diffuse_reflectance" value="0"/><float name="specular_reflectance" value="0"/></bsdf>"#,
-        r#"<bsdf type="twosided"><bsdf type="roughplastic"><string name="distribution" value="ggx"/><float name="alpha" value="0.3"/><texture name="diffuse_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="conductor"><string name="material" value="Au"/></bsdf>"#,
-        r#"<bsdf type="conductor"/>"#,
-        r#"<bsdf type="conductor"><float name="eta" value="0"/><float name="k" value="0"/></bsdf>"#,
-        r#"<bsdf type="twosided"><bsdf type="conductor"><texture name="specular_reflectance" type="checkerboard"/></bsdf></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><string name="material" value="Cu"/></bsdf>"#,
-        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha" value="0"/></bsdf>"#,
-        r#"<bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.001"/><float name="alpha_v" value="10000"/></bsdf>"#,
-        r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/></bsdf></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><string name="material" value="Cu"/></bsdf>"#,
-        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0"/></bsdf>"#,
-        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.001"/><float name="alpha_v" value="10000"/></bsdf>"#,
-        r#"<bsdf type="twosided"><bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/></bsdf></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="dielectric"/>"#,
-        r#"<bsdf type="dielectric"><string name="int_ior" value="water"/><string name="ext_ior" value="diamond"/></bsdf>"#,
-        r#"<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
-        r#"<bsdf type="dielectric"><texture name="specular_transmittance" type="checkerboard"/></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="thindielectric"/>"#,
-        r#"<bsdf type="thindielectric"><string name="int_ior" value="diamond"/></bsdf>"#,
-        r#"<bsdf type="thindielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
-        r#"<bsdf type="thindielectric"><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/></bsdf>"#,
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha" value="0"/><string name="ext_ior" value="diamond"/></bsdf>"#,
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha" value="0.6"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="beckmann"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
-    ],
-    &[
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/></bsdf>"#,
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0"/><string name="ext_ior" value="diamond"/></bsdf>"#,
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0.6"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
-        r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/><texture name="alpha_v" type="checkerboard"/><texture name="specular_reflectance" type="checkerboard"/></bsdf>"#,
-    ],
-];
+/// The batched cases of all plugins, by the kinds of their closures.
+fn materials_by_kind() -> Vec<(LaneKind, Vec<(&'static str, TestMaterial)>)> {
+    let all: Vec<_> = PLUGINS
+        .iter()
+        .flat_map(|(_, cases)| cases.batched)
+        .map(|&xml| {
+            let material = TestMaterial::read(xml);
+            let kind = material.materials().lane_kind(material.root).expect("a kind");
+            (kind, xml, material)
+        })
+        .collect();
+    let mut by_kind: Vec<_> = LaneKind::ALL.map(|kind| (kind, Vec::new())).into();
+    for (kind, xml, material) in all {
+        by_kind[kind.index()].1.push((xml, material));
+    }
+    by_kind
+}
 
 /// What lanes cannot hold.
 const OTHERS: &[&str] = &[
@@ -207,16 +154,14 @@ fn fill<'a>(closures: &mut ClosureLanes<'a>, lanes: &[Lane<'a>]) {
 #[test]
 fn lanes_give_the_bits_of_hits_alone() {
     let mut random = TestRng::new(11);
-    for kind_materials in MATERIALS {
-        let materials: Vec<_> = kind_materials.iter().map(|xml| TestMaterial::read(xml)).collect();
-        let kind = materials[0].materials().lane_kind(materials[0].root).expect("a kind");
+    for (kind, materials) in materials_by_kind() {
         for round in 0..500 {
             let paths = Paths::random(&mut random);
             let lanes = paths.wi.map(|wi| {
                 let index = (random.next_f32() * materials.len() as f32) as usize;
                 // Now and then all are of one material, which may have ways of its own.
                 let index = if round % 4 == 0 { round / 4 % materials.len() } else { index };
-                let material = &materials[index];
+                let material = &materials[index].1;
                 let uv = random.next_vec2() * 3.0;
                 Lane { material, surface: SurfaceInteraction { uv, ..surface(wi) } }
             });
@@ -253,22 +198,27 @@ fn assert_alone(answers: &Answers, index: usize, lane: &Lane<'_>, paths: &Paths,
 }
 
 #[test]
-fn kinds_are_told_apart() {
-    let mut found = Vec::new();
-    for kind_materials in MATERIALS {
-        let kinds = kind_materials.iter().map(|xml| {
-            let material = TestMaterial::read(xml);
+fn every_kind_has_its_cases() {
+    for (kind, materials) in materials_by_kind() {
+        let has = |what: &dyn Fn(Materials<'_>, MaterialId) -> bool| {
+            materials.iter().any(|(_, material)| what(material.materials(), material.root))
+        };
+        assert!(has(&|materials, id| materials.is_uniform(id)), "{kind:?} without textures");
+        assert!(has(&|materials, id| !materials.is_uniform(id)), "{kind:?} with a texture");
+        let is_two_sided = has(&|materials, id| materials.is_two_sided(id));
+        let transmits = has(&|materials, id| bsdf::transmits(materials.materials, id));
+        assert!(is_two_sided || transmits, "{kind:?} inside `twosided`");
+        for (xml, material) in &materials {
             let (materials, id) = (material.materials(), material.root);
             assert_eq!(materials.is_two_sided(id), xml.contains("twosided"), "{xml}");
             assert_eq!(materials.is_uniform(id), !xml.contains("texture"), "{xml}");
-            materials.lane_kind(id).expect("a kind")
-        });
-        let kinds: Vec<_> = kinds.collect();
-        assert!(kinds.iter().all(|kind| *kind == kinds[0]), "{kinds:?}");
-        found.push(kinds[0]);
+        }
+        assert_eq!(LaneKind::ALL[kind.index()], kind);
     }
-    assert_eq!(found, LaneKind::ALL);
-    assert!(LaneKind::ALL.iter().enumerate().all(|(index, kind)| kind.index() == index));
+}
+
+#[test]
+fn what_lanes_cannot_hold_has_no_kind() {
     for xml in OTHERS {
         let material = TestMaterial::read(xml);
         assert_eq!(material.materials().lane_kind(material.root), None, "{xml}");

@@ -1,38 +1,12 @@
 //! Numbers at the edges: nothing may come out infinite, negative or NaN.
 
-use super::{CONFIGURATIONS, incident};
+use super::incident;
 use crate::bsdf::{Bsdf, Transport};
+use crate::testing::bsdf_cases::{PLUGINS, configurations};
 use crate::testing::material::TestMaterial;
 use etendue_spectrum::Spectrum;
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
-
-/// Surfaces so smooth, so rough or so strange that their formulas lose digits.
-#[rustfmt::skip]
-const EXTREMES: &[&str] = &[
-    r#"<bsdf type="roughconductor"><float name="alpha" value="0"/></bsdf>"#,
-    r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><string name="material" value="Au"/></bsdf>"#,
-    r#"<bsdf type="roughconductor"><float name="alpha" value="10000"/></bsdf>"#,
-    r#"<bsdf type="roughconductor"><float name="alpha_u" value="0"/><float name="alpha_v" value="5"/><string name="distribution" value="ggx"/></bsdf>"#,
-    r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/><float name="eta" value="0"/><float name="k" value="0"/></bsdf>"#,
-    r#"<bsdf type="roughconductor"><float name="alpha" value="100"/><string name="distribution" value="ggx"/><float name="eta" value="1e30"/><float name="k" value="1e30"/></bsdf>"#,
-    r#"<bsdf type="roughconductor"><float name="alpha" value="0.001"/><boolean name="sample_visible" value="false"/><float name="eta" value="1"/><float name="k" value="0"/></bsdf>"#,
-    r#"<bsdf type="roughdielectric"><float name="alpha" value="0"/></bsdf>"#,
-    r#"<bsdf type="roughdielectric"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/></bsdf>"#,
-    r#"<bsdf type="roughdielectric"><float name="alpha" value="0.5"/><float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/></bsdf>"#,
-    r#"<bsdf type="roughdielectric"><float name="alpha" value="0.001"/><float name="int_ior" value="1.0001"/><float name="ext_ior" value="1"/><string name="distribution" value="ggx"/></bsdf>"#,
-    r#"<bsdf type="roughdielectric"><float name="alpha" value="3"/><float name="int_ior" value="1000"/><boolean name="sample_visible" value="false"/></bsdf>"#,
-    r#"<bsdf type="roughplastic"><float name="alpha" value="0.001"/><string name="distribution" value="ggx"/></bsdf>"#,
-    r#"<bsdf type="roughplastic"><float name="alpha" value="0"/><float name="int_ior" value="100"/><float name="diffuse_reflectance" value="1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
-    r#"<bsdf type="plastic"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/><float name="diffuse_reflectance" value="0"/></bsdf>"#,
-    r#"<bsdf type="plastic"><float name="int_ior" value="0.5"/><float name="diffuse_reflectance" value="1"/><boolean name="nonlinear" value="true"/></bsdf>"#,
-    r#"<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf>"#,
-    r#"<bsdf type="thindielectric"><float name="int_ior" value="1000"/></bsdf>"#,
-    r#"<bsdf type="roughdiffuse"><float name="alpha" value="10000"/></bsdf>"#,
-    r#"<bsdf type="normalmap"><rgb name="normalmap" value="0.5, 0.5, 0.5"/><bsdf type="roughplastic"/></bsdf>"#,
-    r#"<bsdf type="normalmap"><rgb name="normalmap" value="1, 0.5, 0.5"/><bsdf type="roughdielectric"/></bsdf>"#,
-    r#"<bsdf type="normalmap"><rgb name="normalmap" value="1, 0, 0"/><bsdf type="twosided"><bsdf type="roughconductor"/></bsdf></bsdf>"#,
-];
 
 /// Directions anywhere, and nearly or exactly along and across the surface.
 fn direction(random: &mut TestRng) -> Vec3 {
@@ -85,8 +59,9 @@ fn check(xml: &str, bsdf: &Bsdf<'_>, wi: Vec3, random: &mut TestRng) {
 #[test]
 fn extreme_directions_and_parameters_stay_finite() {
     let mut random = TestRng::new(5);
-    let usual = CONFIGURATIONS.iter().map(|configuration| configuration.xml);
-    for xml in usual.chain(EXTREMES.iter().copied()) {
+    let usual = configurations().map(|configuration| configuration.xml);
+    let extreme = PLUGINS.iter().flat_map(|(_, cases)| cases.extreme.iter().copied());
+    for xml in usual.chain(extreme) {
         let material = TestMaterial::read(xml);
         for _ in 0..20_000 {
             let wi = direction(&mut random);

@@ -1,7 +1,8 @@
 //! Samples against densities, values and their own weights.
 
-use super::{CONFIGURATIONS, incident};
+use super::incident;
 use crate::bsdf::{Bsdf, Transport};
+use crate::testing::bsdf_cases::configurations;
 use etendue_testkit::{ChiSquare, TestRng};
 use glam::Vec3;
 
@@ -20,9 +21,9 @@ fn is_visible(bsdf: &Bsdf<'_>, wi: Vec3) -> bool {
 fn samples_follow_the_density() {
     let test = ChiSquare {
         samples: 100_000,
-        ..ChiSquare::one_of((CONFIGURATIONS.len() * incident().count()) as u32)
+        ..ChiSquare::one_of((configurations().count() * incident().count()) as u32)
     };
-    for configuration in CONFIGURATIONS {
+    for configuration in configurations() {
         let material = configuration.material();
         for wi in incident() {
             let bsdf = material.bsdf(wi);
@@ -49,7 +50,7 @@ fn samples_follow_the_density() {
 #[test]
 fn weights_times_densities_are_values() {
     let mut random = TestRng::new(3);
-    for configuration in CONFIGURATIONS {
+    for configuration in configurations() {
         let material = configuration.material();
         for (wi, transport) in incident().flat_map(|wi| {
             [Transport::Radiance, Transport::Importance].map(|transport| (wi, transport))
@@ -78,7 +79,7 @@ fn weights_times_densities_are_values() {
 #[test]
 fn swapped_directions_give_the_adjoint() {
     let mut random = TestRng::new(4);
-    let reciprocal = CONFIGURATIONS.iter().filter(|configuration| configuration.reciprocal);
+    let reciprocal = configurations().filter(|configuration| configuration.reciprocal);
     for configuration in reciprocal {
         let material = configuration.material();
         for _ in 0..500 {

@@ -1,7 +1,7 @@
 //! Flat parallelograms, the commonest lights: points of them for one path or several.
 
 use super::LightPoint;
-use crate::shape::ShapeSample;
+use crate::interaction::ShapeSample;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
 use glam::Vec2;
 

@@ -1,7 +1,7 @@
 //! Points on a glowing mesh, chosen in proportion to the picture that it shows.
 
 use super::{MappedParallelogram, Mesh};
-use crate::shape::ShapeSample;
+use crate::interaction::ShapeSample;
 use etendue_sampling::{AliasTable, Distribution2D, warp};
 use glam::{Affine2, Mat2, Vec2};
 

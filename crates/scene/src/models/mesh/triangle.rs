@@ -1,8 +1,8 @@
 //! Points of triangles, one or several at once.
 
 use super::{INTERSECTION_ROUNDINGS, Mesh};
+use crate::interaction::SurfacePoint;
 use crate::lanes::SurfaceLanes;
-use crate::shape::SurfacePoint;
 use etendue_bvh::Hit;
 use etendue_math::lanes::{Frame3, LaneArray, LaneMask, Lanes, Mask, Real, Simd, Vector2, Vector3};
 use etendue_math::rounding_error_bound;

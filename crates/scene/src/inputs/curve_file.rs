@@ -7,17 +7,17 @@ use glam::{Vec3, Vec4};
 
 /// The control points of many curves, and where their segments start.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curves {
+pub(crate) struct Curves {
     /// Positions in the world and radii.
-    pub points: Vec<Vec4>,
+    pub(crate) points: Vec<Vec4>,
     /// The first control point of each segment.
-    pub starts: Vec<u32>,
+    pub(crate) starts: Vec<u32>,
 }
 
 /// Reads the file that `filename` names, of curves whose segments have `points_per_segment` control
 /// points each; `None` after reporting what went wrong.
 #[must_use]
-pub fn read(
+pub(crate) fn read(
     assets: &Assets<'_>,
     parameters: &Parameters<'_>,
     points_per_segment: usize,
@@ -39,7 +39,7 @@ pub fn read(
 /// # Errors
 /// A sentence with the line for what is no number, for negative radii, for curves with too few
 /// points, and for files without any.
-pub fn parse(
+pub(crate) fn parse(
     bytes: &[u8],
     to_world: &Transform,
     points_per_segment: usize,
@@ -103,13 +103,13 @@ impl Curves {
 
     /// The position and radius of a control point of a segment.
     #[must_use]
-    pub fn point(&self, segment: u32, index: usize) -> Vec4 {
+    pub(crate) fn point(&self, segment: u32, index: usize) -> Vec4 {
         self.points[self.starts[segment as usize] as usize + index]
     }
 
     /// Bytes of memory held.
     #[must_use]
-    pub fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(self.points.as_slice()) + size_of_val(self.starts.as_slice())
     }
 }
@@ -117,14 +117,14 @@ impl Curves {
 /// The two directions across a unit `axis` from which Mitsuba counts the azimuth: where it is a
 /// quarter, and where it is zero.
 #[must_use]
-pub fn azimuth_frame(axis: Vec3) -> [Vec3; 2] {
+pub(crate) fn azimuth_frame(axis: Vec3) -> [Vec3; 2] {
     let across = (Vec3::Z - axis * axis.z).try_normalize().unwrap_or(Vec3::Y);
     [across, across.cross(axis)]
 }
 
 /// The azimuth of a direction across `axis`, in turns from 0 to 1.
 #[must_use]
-pub fn azimuth(axis: Vec3, outwards: Vec3) -> f32 {
+pub(crate) fn azimuth(axis: Vec3, outwards: Vec3) -> f32 {
     let [quarter, zero] = azimuth_frame(axis);
     let turns = outwards.dot(quarter).atan2(outwards.dot(zero)) / std::f32::consts::TAU;
     if turns < 0.0 { turns + 1.0 } else { turns }

@@ -8,7 +8,7 @@ use etendue_mesh::{TriangleMesh, read_ply_points};
 use glam::{DMat3, DMat4, DQuat, DVec3, Quat, Vec3};
 
 /// The parameter that names the file.
-pub const FILENAME: ParameterManual = parameter(
+pub(crate) const FILENAME: ParameterManual = parameter(
     "filename",
     "string",
     "",
@@ -16,10 +16,10 @@ pub const FILENAME: ParameterManual = parameter(
      axes, and the quaternion `rot_0` (its real part) to `rot_3`. Files of Gaussian splats are such.",
 );
 /// The parameter that scales what the file says.
-pub const SCALE_FACTOR: ParameterManual =
+pub(crate) const SCALE_FACTOR: ParameterManual =
     parameter("scale_factor", "float", "1", "A factor on the half axes.");
 /// The parameter that says how far a surface reaches.
-pub const EXTENT: ParameterManual = parameter(
+pub(crate) const EXTENT: ParameterManual = parameter(
     "extent",
     "float",
     "3",
@@ -27,7 +27,7 @@ pub const EXTENT: ParameterManual = parameter(
      it is cut off.",
 );
 /// The parameter that makes faint ellipsoids smaller.
-pub const EXTENT_ADAPTIVE_CLAMPING: ParameterManual = parameter(
+pub(crate) const EXTENT_ADAPTIVE_CLAMPING: ParameterManual = parameter(
     "extent_adaptive_clamping",
     "boolean",
     "false",
@@ -35,7 +35,7 @@ pub const EXTENT_ADAPTIVE_CLAMPING: ParameterManual = parameter(
      0.01: the extent is multiplied by √(2 ln(opacity / 0.01)) / 3. Fainter ones are left out.",
 );
 /// The parameter that places the ellipsoids.
-pub const TO_WORLD: ParameterManual = parameter(
+pub(crate) const TO_WORLD: ParameterManual = parameter(
     "to_world",
     "transform",
     "",
@@ -49,25 +49,25 @@ const LEAST_HALF_AXIS: f64 = 1e-6;
 
 /// An ellipsoid in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ellipsoid {
+pub(crate) struct Ellipsoid {
     /// The middle.
-    pub center: Vec3,
+    pub(crate) center: Vec3,
     /// Takes the axes of space to its own; unit.
-    pub rotation: Quat,
+    pub(crate) rotation: Quat,
     /// Half the length along each axis; positive.
-    pub half_axes: Vec3,
+    pub(crate) half_axes: Vec3,
 }
 
 impl Ellipsoid {
     /// Its axes as columns, unit.
     #[must_use]
-    pub fn axes(&self) -> DMat3 {
+    pub(crate) fn axes(&self) -> DMat3 {
         DMat3::from_quat(self.rotation.as_dquat().normalize())
     }
 
     /// The box around it, rounded outwards.
     #[must_use]
-    pub fn bounds(&self) -> Bounds3 {
+    pub(crate) fn bounds(&self) -> Bounds3 {
         let half = self.axes() * DMat3::from_diagonal(self.half_axes.as_dvec3());
         // Along a direction it reaches as far as the image of the unit sphere does.
         let reach = DVec3::from_array([0, 1, 2].map(|axis| half.row(axis).length()));
@@ -82,7 +82,7 @@ impl Ellipsoid {
 /// Reads the file that `filename` names, and the other parameters above; `None` after reporting what
 /// went wrong.
 #[must_use]
-pub fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Vec<Ellipsoid>> {
+pub(crate) fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Vec<Ellipsoid>> {
     let positive = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
     let placement = Placement {
         to_world: parameters.transform("to_world"),

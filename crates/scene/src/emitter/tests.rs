@@ -1,56 +1,12 @@
 //! Every emitter, whole: what it samples, what it says of the density of a direction found by
 //! tracing a ray, and how much light that makes in all.
 
-use etendue_document::{Diagnostics, MemoryResources};
-use etendue_image::{Channel, EncodeOptions, FileFormat, Picture, encode};
+use super::Emitter;
+use crate::testing::emitter_cases::{PLUGINS, extreme, hittable, leaving, scene};
+use crate::{EmitterId, Scene, ShapeId, SurfaceInteraction};
 use etendue_math::{Frame, Ray};
-use etendue_mitsuba::{LoadOptions, read_text};
-use etendue_scene::emitter::Emitter;
-use etendue_scene::{BuildOptions, EmitterId, Scene, ShapeId, SurfaceInteraction, build_scene};
 use etendue_testkit::{Accumulator, ChiSquare, TestRng, welch};
 use glam::Vec3;
-
-/// A scene of the given elements.
-fn scene(elements: &str) -> Scene {
-    let diagnostics = Diagnostics::new();
-    let resources = MemoryResources::default().with("sky.exr", sky()).with("slide.exr", slide());
-    let text = format!("<scene version=\"3.0.0\">{elements}</scene>");
-    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics);
-    let document = document.unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
-    build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
-        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
-}
-
-/// A picture with a bright spot on a varying ground.
-fn sky() -> Vec<u8> {
-    let (width, height) = (16, 8);
-    let value = |index: usize| {
-        let (x, y) = (index % width, index / width);
-        if (x, y) == (5, 2) { 40.0 } else { 0.2 + 0.1 * (x + y) as f32 }
-    };
-    let data: Vec<f32> = (0..width * height).map(value).collect();
-    let channels =
-        ["R", "G", "B"].map(|name| Channel { name: name.to_owned(), data: data.clone() });
-    let picture =
-        Picture { channels: channels.to_vec(), ..Picture::new(width as u32, height as u32) };
-    encode(&picture, FileFormat::Exr, &EncodeOptions::default())
-        .expect("the picture can be written")
-}
-
-/// Four by two texels, all different.
-fn slide() -> Vec<u8> {
-    let channels = [
-        [1.0, 0.0, 0.0, 1.0, 0.5, 0.0, 1.0, 0.2],
-        [0.0, 1.0, 0.0, 1.0, 0.5, 1.0, 0.0, 0.4],
-        [0.0, 0.0, 1.0, 0.0, 0.5, 1.0, 1.0, 0.6],
-    ];
-    let mut picture = Picture::new(4, 2);
-    for (name, data) in ["R", "G", "B"].into_iter().zip(channels) {
-        picture.push(name, data.to_vec());
-    }
-    encode(&picture, FileFormat::Exr, &EncodeOptions::default())
-        .expect("the picture can be written")
-}
 
 const REFERENCE: Vec3 = Vec3::new(0.3, -0.2, 0.1);
 
@@ -65,68 +21,16 @@ fn traced_pdf(scene: &Scene, direction: Vec3) -> f32 {
     }
 }
 
-const HITTABLE: [(&str, &str); 13] = [
-    (
-        "sphere from outside",
-        r#"<shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>"#,
-    ),
-    (
-        "sphere from inside",
-        r#"<shape type="sphere"><float name="radius" value="2"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
-    ),
-    (
-        "small sphere far away",
-        r#"<shape type="sphere"><point name="center" x="60" y="-40" z="9"/><float name="radius" value="20"/><emitter type="area"/></shape>"#,
-    ),
-    (
-        "rectangle",
-        r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"/></shape>"#,
-    ),
-    (
-        "disk",
-        r#"<shape type="disk"><transform name="to_world"><scale x="2" y="1" z="1"/><rotate x="1" angle="190"/><translate z="2"/></transform><emitter type="area"/></shape>"#,
-    ),
-    (
-        "cylinder from inside",
-        r#"<shape type="cylinder"><point name="p0" x="0" y="-2" z="0"/><point name="p1" x="0" y="3" z="1"/><float name="radius" value="1.5"/><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
-    ),
-    (
-        "surface of revolution from inside",
-        r#"<shape type="revsurface"><curve type="bezier"><vec value="0, -1.5, 0"/><vec value="2, -1.5, 0"/><vec value="1.2, 1.5, 0"/><vec value="0, 1.5, 0"/></curve><transform name="to_world"><scale x="1" y="1" z="1.5"/><rotate x="1" angle="60"/></transform><emitter type="area"/></shape>"#,
-    ),
-    (
-        "cube from inside",
-        r#"<shape type="cube"><transform name="to_world"><scale x="1" y="2" z="1.5"/></transform><boolean name="flip_normals" value="true"/><emitter type="area"/></shape>"#,
-    ),
-    (
-        "rectangle that shows a picture",
-        r#"<shape type="rectangle"><transform name="to_world"><scale x="2"/><rotate x="1" angle="150"/><translate x="0.5" z="1.5"/></transform><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="sky.exr"/></texture></emitter></shape>"#,
-    ),
-    (
-        "cube that shows a picture inside",
-        r#"<shape type="cube"><boolean name="flip_normals" value="true"/><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="sky.exr"/><transform name="to_uv"><scale value="2"/></transform></texture></emitter></shape>"#,
-    ),
-    ("constant", r#"<emitter type="constant"/>"#),
-    (
-        "sky with a large sun",
-        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/><float name="sun_aperture" value="30"/><transform name="to_world"><rotate x="1" angle="30"/></transform></emitter>"#,
-    ),
-    (
-        "envmap",
-        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/><transform name="to_world"><rotate x="1" y="2" z="0.5" angle="40"/></transform></emitter>"#,
-    ),
-];
-
 #[test]
 fn directions_are_sampled_with_the_density_that_a_ray_finds() {
-    for (name, elements) in HITTABLE {
-        let scene = scene(elements);
+    for name in hittable() {
+        let scene = scene(name);
         let emitter = scene.emitter(EmitterId(0));
         let sample = |random: &mut TestRng| {
             let sample = emitter.sample_direction(&scene, REFERENCE, random.next_vec2())?;
             Some(sample.direction)
         };
-        let outcome = ChiSquare::one_of(HITTABLE.len() as u32)
+        let outcome = ChiSquare::one_of(hittable().count() as u32)
             .sphere(sample, |direction| traced_pdf(&scene, direction));
         assert!(outcome.accepted(), "{name}: {outcome:?}");
     }
@@ -135,8 +39,8 @@ fn directions_are_sampled_with_the_density_that_a_ray_finds() {
 #[test]
 fn the_density_of_a_sample_is_that_of_its_direction() {
     let mut random = TestRng::new(3);
-    for (name, elements) in HITTABLE {
-        let scene = scene(elements);
+    for name in hittable() {
+        let scene = scene(name);
         let emitter = scene.emitter(EmitterId(0));
         let mut differing = 0;
         for _ in 0..2000 {
@@ -157,8 +61,8 @@ fn the_density_of_a_sample_is_that_of_its_direction() {
 #[test]
 fn sampling_and_tracing_find_the_same_light() {
     let mut random = TestRng::new(11);
-    for (name, elements) in HITTABLE {
-        let scene = scene(elements);
+    for name in hittable() {
+        let scene = scene(name);
         let emitter = scene.emitter(EmitterId(0));
         let (mut sampled, mut traced) = (Accumulator::default(), Accumulator::default());
         for _ in 0..40_000 {
@@ -303,21 +207,8 @@ fn projected_pictures_fall_where_mitsuba_throws_them() {
 #[test]
 fn light_that_leaves_arrives() {
     let receiver = r#"<shape type="disk"><transform name="to_world"><scale x="0.7" y="0.5"/><rotate x="1" angle="20"/><translate z="-1"/></transform></shape>"#;
-    let lookat = r#"<transform name="to_world"><lookat origin="0.3, 0.5, 2" target="0.1, 0, -1" up="0, 1, 0"/></transform>"#;
-    let picture = r#"type="bitmap"><string name="filename" value="slide.exr"/></texture>"#;
-    let lights = [
-        format!(r#"<emitter type="projector"><texture name="irradiance" {picture}<float name="fov" value="40"/>{lookat}</emitter>"#),
-        format!(r#"<emitter type="spot"><float name="cutoff_angle" value="25"/><texture name="texture" {picture}{lookat}</emitter>"#),
-        r#"<emitter type="point"><point name="position" x="0.3" y="0.2" z="1"/></emitter>"#.to_owned(),
-        r#"<emitter type="directional"><vector name="direction" x="0.2" y="0.1" z="-1"/></emitter>"#.to_owned(),
-        r#"<emitter type="constant"/>"#.to_owned(),
-        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#.to_owned(),
-        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/></emitter>"#.to_owned(),
-        format!(r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="170"/><translate z="1"/></transform><emitter type="area"><texture name="radiance" {picture}</emitter></shape>"#),
-        r#"<shape type="sphere"><point name="center" x="0" y="0" z="1"/><emitter type="area"/></shape>"#.to_owned(),
-    ];
     let mut random = TestRng::new(5);
-    for light in lights {
+    for light in leaving() {
         let scene = scene(&format!("{receiver}{light}"));
         let emitter = scene.emitter(EmitterId(0));
         let (mut traced, mut sampled) = (Accumulator::default(), Accumulator::default());
@@ -346,5 +237,59 @@ fn light_that_leaves_arrives() {
         let outcome = welch(&traced, &sampled);
         assert!(outcome.accepts(1e-4), "{light}: {} and {}", traced.mean(), sampled.mean());
         assert!(traced.mean() > 0.0, "{light}");
+    }
+}
+
+#[test]
+fn every_plugin_has_its_cases() {
+    for (name, cases) in PLUGINS {
+        let names_itself = |xml: &&str| xml.contains(&format!("<emitter type=\"{name}\""));
+        assert!(cases.extreme.iter().any(names_itself), "`{name}` has no extreme case");
+        let samples: Vec<_> = cases
+            .extreme
+            .iter()
+            .chain(cases.leaving)
+            .filter_map(|xml| {
+                let scene = scene(xml);
+                let reference = Vec3::new(0.01, 0.02, -1.0);
+                let light = scene.emitter(EmitterId(0));
+                light.sample_direction(&scene, reference, glam::Vec2::splat(0.3))
+            })
+            .collect();
+        let leaves = cases.leaving.iter().any(names_itself);
+        assert_eq!(leaves, !samples.is_empty(), "the cases of light that leaves `{name}`");
+        let is_hittable = cases.hittable.iter().any(names_itself);
+        let is_spread = samples.iter().any(|sample| !sample.delta);
+        assert_eq!(is_hittable, is_spread, "the cases of rays that find `{name}`");
+    }
+}
+
+/// Points anywhere, on the light, far away and close to each other.
+#[test]
+fn extreme_lights_stay_finite() {
+    let mut random = TestRng::new(8);
+    for xml in hittable().chain(leaving()).chain(extreme()) {
+        let scene = scene(xml);
+        let emitter = scene.emitter(EmitterId(0));
+        for round in 0..2000 {
+            let scale = [0.0, 1e-20, 1e-6, 1.0, 1e6][round % 5];
+            let reference = random.unit_vector() * scale;
+            let light = emitter.sample_direction(&scene, reference, random.next_vec2());
+            let sound = light.is_none_or(|light| {
+                let radiance = light.radiance;
+                light.pdf > 0.0
+                    && light.pdf.is_finite()
+                    && (light.direction.length() - 1.0).abs() < 1e-4
+                    && !radiance.has_negative()
+                    && radiance.rgb().iter().all(|component| !component.is_nan())
+            });
+            assert!(sound, "{xml} from {reference}: {light:?}");
+            let ray = emitter.sample_ray(&scene, random.next_vec2(), random.next_vec2());
+            let sound = ray.is_none_or(|leaving| {
+                let power = leaving.power;
+                power.is_finite() && !power.has_negative() && leaving.ray.origin.is_finite()
+            });
+            assert!(sound, "{xml}: {ray:?}");
+        }
     }
 }

@@ -21,6 +21,18 @@ pub(crate) struct Texels {
     mean: OnceLock<Spectrum>,
 }
 
+/// What lies outside the unit square.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WrapMode {
+    /// The same again.
+    #[default]
+    Repeat,
+    /// The same reversed, and again.
+    Mirror,
+    /// The outermost texels.
+    Clamp,
+}
+
 /// The channel that a picture of one channel is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {

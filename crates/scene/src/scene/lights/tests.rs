@@ -1,28 +1,16 @@
 //! Light chosen for several paths at once, against light chosen for each alone: bit by bit.
 
-use etendue_document::{Diagnostics, MemoryResources};
+use super::*;
+use crate::emitter::Target;
+use crate::testing::emitter_cases::{extreme, hittable, leaving, scene};
+use crate::{SurfaceInteraction, SurfaceLanes};
 use etendue_math::lanes::{
     Frame3, LaneArray, LaneMask, Lanes, Level, MAX_LANES, Mask, Simd, Vector2, Vector3, baseline,
 };
 use etendue_math::{Frame, RayLanes, with_lanes};
-use etendue_mitsuba::{LoadOptions, read_text};
-use etendue_scene::emitter::{DirectionSample, LightLanes, Target};
-use etendue_scene::{BuildOptions, Scene, SurfaceInteraction, SurfaceLanes, build_scene};
 use etendue_spectrum::Spectrum;
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
-
-fn scene(elements: &str) -> Scene {
-    let diagnostics = Diagnostics::new();
-    let mut resources = MemoryResources::default();
-    resources.insert("roof.obj", ROOF);
-    resources.insert("field.obj", field());
-    let text = format!("<scene version=\"3.0.0\">{elements}</scene>");
-    let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics);
-    let document = document.unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
-    build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
-        .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
-}
 
 /// A light in the plane z = 0 that shines upwards.
 const PANEL: &str = r#"<shape type="rectangle"><emitter type="area"><rgb name="radiance" value="9, 5, 2"/></emitter></shape>"#;
@@ -41,28 +29,6 @@ const OTHERS: &str = r#"
     <shape type="rectangle"><transform name="to_world"><translate x="-2"/></transform>
         <emitter type="area"><texture type="checkerboard" name="radiance"/></emitter></shape>
     <shape type="cube"><emitter type="area"/></shape>"#;
-
-/// Three triangles, the last without area, and a normal for each corner.
-const ROOF: &str = "v -1 0 0\nv 1 0 -0.5\nv 0.2 2 1\nv -3 1 2\nv 0 0 -0.25\n\
-    vn 0 0 1\nvn 0.3 -0.2 1\nvn -1 0 0.5\nvn 0 0 -1\n\
-    f 1//1 2//2 3//3\nf 1//1 3//3 4//4\nf 1//1 2//2 5//1\n";
-
-/// More triangles than one random number chooses from: a bumpy field.
-fn field() -> String {
-    const SIDE: usize = 50;
-    let height = |x: usize, y: usize| (x * 7 + y * 13) % 11;
-    let mut text = String::new();
-    for (x, y) in (0..=SIDE).flat_map(|x| (0..=SIDE).map(move |y| (x, y))) {
-        text +=
-            &format!("v {} {} 0.0{}\n", x as f32 * 0.1 - 2.5, y as f32 * 0.1 - 2.5, height(x, y));
-    }
-    for (x, y) in (0..SIDE).flat_map(|x| (0..SIDE).map(move |y| (x, y))) {
-        let a = x * (SIDE + 1) + y + 1;
-        let (b, c, d) = (a + SIDE + 1, a + SIDE + 2, a + 1);
-        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
-    }
-    text
-}
 
 /// Glowing meshes: smooth; faceted, shining the other way; and of thousands of triangles.
 const MESHES: [&str; 3] = [
@@ -259,6 +225,15 @@ fn lanes_choose_what_single_paths_choose() {
             found += compare(name, &scene, block, u32::MAX);
         }
         assert_eq!(found == 0, name == "none", "{name}: {found}");
+    }
+}
+
+#[test]
+fn lanes_choose_the_light_of_every_plugin() {
+    for xml in hittable().chain(leaving()).chain(extreme()) {
+        for block in questions(4 * MAX_LANES).chunks(MAX_LANES) {
+            compare(xml, &scene(xml), block, u32::MAX);
+        }
     }
 }
 

@@ -1,0 +1,9 @@
+//! What plugins read beside parameters of their own: files, and parameters that several plugins share.
+
+pub(crate) mod curve_file;
+pub(crate) mod ellipsoid_file;
+pub(crate) mod field_of_view;
+pub(crate) mod grid_file;
+pub(crate) mod picture_in_memory;
+pub(crate) mod texels;
+pub(crate) mod uv;
