@@ -1,17 +1,17 @@
-//! The command line: subcommands, and what `--help` ends with.
+//! The command line: the subcommands, and the end of every `--help`.
 
 use clap::{Parser, Subcommand};
 
 use crate::commands::{check, convert, diff, info, merge, render};
 
-/// What every `--help` ends with.
+/// The text at the end of every `--help`.
 const AFTER_HELP: &str = "\
 Exit codes:
-  0    everything was done
-  1    failed while rendering or writing
-  2    bad arguments or input
-  130  stopped by Ctrl-C; what was done has been written
-  143  stopped by SIGTERM; what was done has been written";
+  0    success
+  1    rendering or writing failed
+  2    invalid arguments or input
+  130  stopped by Ctrl-C; finished work was saved
+  143  stopped by SIGTERM; finished work was saved";
 
 /// A physically based path tracer.
 #[derive(Debug, Parser)]
@@ -21,25 +21,25 @@ pub(crate) struct Arguments {
     pub(crate) command: Command,
 }
 
-/// What to do.
+/// The subcommands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Render scenes to picture files.
     #[command(after_help = AFTER_HELP)]
     Render(render::Arguments),
-    /// Put parts of a picture, rendered apart with `render --samples`, together.
+    /// Merge parts written by `render --samples` into one picture.
     #[command(after_help = AFTER_HELP)]
     Merge(merge::Arguments),
-    /// Load scenes and report everything that is wrong, without rendering.
+    /// Load scenes and report all problems, without rendering.
     #[command(after_help = AFTER_HELP)]
     Check(check::Arguments),
-    /// Show what a scene consists of.
+    /// Show what a scene contains.
     #[command(after_help = AFTER_HELP)]
     Info(info::Arguments),
     /// Compare a picture with a reference.
     #[command(after_help = AFTER_HELP)]
     Diff(diff::Arguments),
-    /// Write a picture in another format.
+    /// Convert a picture to another format.
     #[command(after_help = AFTER_HELP)]
     Convert(convert::Arguments),
 }

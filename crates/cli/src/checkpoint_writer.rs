@@ -1,4 +1,4 @@
-//! Keeping what is done: checkpoints and previews, written beside the render.
+//! Writes checkpoints and previews while a render runs.
 
 use std::path::PathBuf;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -12,72 +12,72 @@ use crate::output::Target;
 use crate::parsers;
 use crate::progress::ProgressDisplay;
 
-/// How what is done is kept, shown and found again.
+/// The options for checkpoints and previews.
 #[derive(Args, Debug)]
 pub(crate) struct CheckpointArguments {
-    /// Go on with the checkpoint beside the output. yes: there must be one; auto: if there is one;
-    /// never: start afresh. Without this option, a checkpoint is asked about on a terminal, and
-    /// elsewhere nothing is done
+    /// Resume from the checkpoint beside the output. yes: require one; auto: resume if one exists;
+    /// never: start over. Without this option, etendue asks about an existing checkpoint on a
+    /// terminal, and fails elsewhere
     #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true,
           default_missing_value = "yes")]
     pub(crate) resume: Option<Resume>,
-    /// How often what is done is kept, in FILE.checkpoint beside the first output
+    /// How often to write a checkpoint, as FILE.checkpoint beside the first output
     #[arg(long, value_name = "TIME", value_parser = parsers::interval, default_value = "30s")]
     checkpoint_every: Duration,
-    /// Keep no checkpoints
+    /// Write no checkpoints
     #[arg(long)]
     pub(crate) no_checkpoint: bool,
-    /// Leave the checkpoint when the render is done, to go on later with more --spp
+    /// Keep the checkpoint when the render is done, to add samples later with a higher --spp
     #[arg(long, conflicts_with = "no_checkpoint")]
     pub(crate) keep_checkpoint: bool,
-    /// Write the picture so far here, as often as --preview-every says
+    /// Write previews of the unfinished picture to this file
     #[arg(long, value_name = "FILE")]
     preview: Option<PathBuf>,
-    /// How often the preview is written
+    /// How often to write the preview
     #[arg(long, value_name = "TIME", value_parser = parsers::interval, default_value = "10s")]
     preview_every: Duration,
 }
 
-/// What is done about a checkpoint that is there.
+/// What to do about an existing checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Resume {
-    /// Go on with it; without one, do nothing
+    /// Resume; fail if there is no checkpoint
     Yes,
-    /// Go on with it; without one, start
+    /// Resume if a checkpoint exists; otherwise start
     Auto,
-    /// Start afresh; it is overwritten
+    /// Start over and overwrite the checkpoint
     Never,
 }
 
 impl CheckpointArguments {
-    /// The preview's file, checked.
+    /// The preview's target, checked for being writable.
     pub(crate) fn preview(&self) -> Result<Option<Target>, Failure> {
         self.preview.as_deref().map(Target::new).transpose()
     }
 }
 
-/// Writes checkpoints and previews while others render.
+/// Writes checkpoints and previews while other threads render.
 pub(crate) struct CheckpointWriter<'a> {
     pub(crate) job: &'a RenderJob,
     pub(crate) film: &'a FilmSums,
-    /// `None` if none are kept.
+    /// `None` to write none.
     pub(crate) checkpoint: Option<&'a SumsFile>,
     pub(crate) preview: Option<&'a Target>,
     pub(crate) arguments: &'a CheckpointArguments,
     pub(crate) display: &'a ProgressDisplay,
-    /// Wall time of the runs before.
+    /// Wall time of the earlier runs, in seconds.
     pub(crate) seconds_before: f64,
     pub(crate) started: Instant,
 }
 
-/// Tells a checkpoint writer that the render is over.
+/// Tells a [`CheckpointWriter`] that the render has ended.
 #[derive(Default)]
 pub(crate) struct End {
     has_come: Mutex<bool>,
     changed: Condvar,
 }
 
-/// Signals the end when it is dropped, also after a panic: the writer must not wait for ever.
+/// Signals the end when dropped, even during a panic; otherwise the writer would wait forever.
 pub(crate) struct EndGuard<'a>(&'a End);
 
 impl Drop for EndGuard<'_> {
@@ -88,12 +88,12 @@ impl Drop for EndGuard<'_> {
 }
 
 impl End {
-    /// The end comes when the guard goes.
+    /// Returns a guard that signals the end when dropped.
     pub(crate) fn guard(&self) -> EndGuard<'_> {
         EndGuard(self)
     }
 
-    /// Waits until some time, or for the end; returns whether that has come.
+    /// Waits until `time` or the end, whichever comes first; returns whether the end has come.
     fn wait_until(&self, time: Instant) -> bool {
         let mut has_come = self.lock();
         while !*has_come {
@@ -113,7 +113,7 @@ impl End {
 }
 
 impl CheckpointWriter<'_> {
-    /// Writes what is due, again and again, until the end has come.
+    /// Writes checkpoints and previews as they fall due, until the end.
     pub(crate) fn run(&self, end: &End) {
         let every = self.arguments.checkpoint_every;
         let mut next_checkpoint = self.checkpoint.map(|_| self.started + every);
@@ -123,8 +123,8 @@ impl CheckpointWriter<'_> {
                 return;
             }
             let now = Instant::now();
-            // From the beginning of one to that of the next: at most an interval is lost, and the
-            // time that the last one took.
+            // The interval runs from the start of one write to the start of the next, so a crash
+            // loses at most one interval and the duration of a write.
             if next_checkpoint.is_some_and(|due| due <= now) {
                 next_checkpoint = Some(now + every);
                 self.write_checkpoint();
@@ -136,8 +136,8 @@ impl CheckpointWriter<'_> {
         }
     }
 
-    /// Keeps what is done; that it fails is said, and the render goes on. Returns whether it is
-    /// kept.
+    /// Writes a checkpoint; on failure, warns and lets the render continue. Returns whether it was
+    /// written.
     pub(crate) fn write_checkpoint(&self) -> bool {
         let Some(checkpoint) = self.checkpoint else { return false };
         let began = Instant::now();
@@ -146,8 +146,9 @@ impl CheckpointWriter<'_> {
         match &written {
             Ok(()) => self.display.checkpoint(checkpoint.path(), began.elapsed()),
             Err(error) => {
-                let kept = if checkpoint.exists() { "; the last one stays" } else { "" };
-                self.display.warn(&format!("cannot write {path}: {error}{kept}"));
+                let previous =
+                    if checkpoint.exists() { "; the previous checkpoint remains" } else { "" };
+                self.display.warn(&format!("cannot write {path}: {error}{previous}"));
             }
         }
         written.is_ok()
@@ -166,7 +167,7 @@ impl CheckpointWriter<'_> {
         }
     }
 
-    /// Wall time of all runs.
+    /// Wall time of all runs, in seconds.
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds_before + self.started.elapsed().as_secs_f64()
     }

@@ -1,4 +1,4 @@
-//! One file per subcommand: its arguments, and `run`.
+//! The subcommands, one file each: its arguments and `run`.
 
 pub(crate) mod check;
 pub(crate) mod convert;

@@ -1,27 +1,27 @@
-//! What was found while loading a scene, on standard error.
+//! Prints the diagnostics of a loaded scene on standard error.
 
 use etendue::DiagnosticReport;
 use etendue::document::{Diagnostic, Location, Severity};
 use serde_json::{Value, json};
 
-use crate::alike::{Listing, Repeats};
+use crate::listing::{Listing, Repeats};
 use crate::{color, terminal, text};
 
-/// How much of it is shown.
+/// How many of the diagnostics to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Detail {
-    /// Errors alone.
+    /// Only errors.
     Errors,
     /// Errors and warnings.
     Warnings,
-    /// Notes too; of many diagnostics alike, all but a few in a line each.
+    /// Notes too; many similar diagnostics are shortened to one line each.
     Notes,
-    /// Notes too, and all there is to each finding however many are alike.
+    /// Notes too, and every diagnostic in full.
     Everything,
 }
 
-/// Of many diagnostics alike, how many are listed in a line each where brevity matters.
-const LINES: usize = 20;
+/// How many similar diagnostics are listed in one line each where brevity matters.
+const MAX_LINES: usize = 20;
 
 impl Detail {
     fn shows(self, diagnostic: &Diagnostic) -> bool {
@@ -34,21 +34,21 @@ impl Detail {
 
     fn repeats(self) -> Repeats {
         match self {
-            Self::Errors | Self::Warnings => Repeats::Lines(LINES),
+            Self::Errors | Self::Warnings => Repeats::Lines(MAX_LINES),
             Self::Notes => Repeats::Lines(usize::MAX),
-            Self::Everything => Repeats::Whole,
+            Self::Everything => Repeats::Full,
         }
     }
 }
 
-/// Shows diagnostics with their excerpts, and what they add up to, if there are any.
+/// Prints diagnostics with their excerpts, and a summary if there are any.
 pub(crate) fn show(diagnostics: &DiagnosticReport, detail: Detail) {
     if show_list(diagnostics, detail) {
         terminal::message_line(&summary(diagnostics));
     }
 }
 
-/// Shows diagnostics with their excerpts; returns whether there were any to show.
+/// Prints diagnostics with their excerpts; returns whether there were any to print.
 pub(crate) fn show_list(diagnostics: &DiagnosticReport, detail: Detail) -> bool {
     let mut listing = Listing::new(&diagnostics.sources, detail.repeats(), color::is_wanted());
     let shown = diagnostics.list.iter().filter(|diagnostic| detail.shows(diagnostic));
@@ -73,7 +73,7 @@ pub(crate) fn summary(diagnostics: &DiagnosticReport) -> String {
     summary
 }
 
-/// The diagnostics for other programs: severity, message, place and advice of each.
+/// The diagnostics as JSON: severity, message, place and help of each.
 pub(crate) fn as_json(diagnostics: &DiagnosticReport) -> Value {
     let place = |diagnostic: &Diagnostic| {
         Some(match diagnostics.sources.locate(diagnostic.span?) {
@@ -83,7 +83,7 @@ pub(crate) fn as_json(diagnostics: &DiagnosticReport) -> Value {
             Location::Node { path } => json!({ "node": path }),
         })
     };
-    let finding = |diagnostic: &Diagnostic| {
+    let entry = |diagnostic: &Diagnostic| {
         let severity = match diagnostic.severity {
             Severity::Error => "error",
             Severity::Warning => "warning",
@@ -96,5 +96,5 @@ pub(crate) fn as_json(diagnostics: &DiagnosticReport) -> Value {
             "help": diagnostic.help,
         })
     };
-    diagnostics.list.iter().map(finding).collect()
+    diagnostics.list.iter().map(entry).collect()
 }

@@ -1,17 +1,16 @@
-//! How a run ends: exit codes, and errors with a message.
+//! How a run ends: exit codes and error messages.
 
 use std::fmt::Display;
 
 /// How a run ends, worst last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Status {
-    /// Everything was done.
-    Fine,
-    /// It failed while rendering or writing.
+    Success,
+    /// Rendering or writing failed.
     Failed,
     /// The arguments or the input are wrong.
     BadInput,
-    /// A signal stopped it; what was done has been written.
+    /// A signal stopped the run; finished work was saved.
     Stopped(Signal),
 }
 
@@ -20,12 +19,12 @@ pub(crate) enum Status {
 pub(crate) enum Signal {
     /// Ctrl-C.
     Interrupt,
-    /// What `kill` sends.
+    /// SIGTERM, which `kill` sends.
     Terminate,
 }
 
 impl Signal {
-    /// 128 and the signal's number, as shells report it.
+    /// The exit code that shells report: 128 plus the signal's number.
     pub(crate) const fn code(self) -> u8 {
         match self {
             Self::Interrupt => 130,
@@ -38,7 +37,7 @@ impl Status {
     /// The exit code, as `--help` lists it.
     pub(crate) fn code(self) -> u8 {
         match self {
-            Self::Fine => 0,
+            Self::Success => 0,
             Self::Failed => 1,
             Self::BadInput => 2,
             Self::Stopped(signal) => signal.code(),
@@ -49,19 +48,18 @@ impl Status {
 /// An error that ends the run.
 #[derive(Debug)]
 pub(crate) struct Failure {
-    /// How the run ends.
     pub(crate) status: Status,
-    /// What went wrong, in a sentence without a full stop.
+    /// What went wrong, without a full stop.
     pub(crate) message: String,
 }
 
 impl Failure {
-    /// The arguments or an input file are to blame.
+    /// An error in the arguments or an input file.
     pub(crate) fn bad_input(message: impl Display) -> Self {
         Self { status: Status::BadInput, message: message.to_string() }
     }
 
-    /// Something else is, such as a full disk.
+    /// Any other error, such as a full disk.
     pub(crate) fn failed(message: impl Display) -> Self {
         Self { status: Status::Failed, message: message.to_string() }
     }

@@ -1,20 +1,17 @@
 //! The `etendue` command.
 //!
-//! A host of the library: it reads arguments and files, talks to the terminal, and turns what
-//! happened into exit codes. Each subcommand is one file in `commands`.
+//! It hosts the library: it reads arguments and files, prints to the terminal, and sets the exit
+//! code. Each subcommand is one file in `commands`.
 #![forbid(unsafe_code)]
-#![allow(
-    clippy::disallowed_methods,
-    reason = "files, environment and exit codes are a host's business"
-)]
+#![allow(clippy::disallowed_methods, reason = "the host owns files, environment and exit codes")]
 
-mod alike;
 mod arguments;
 mod checkpoint_writer;
 mod color;
 mod commands;
 mod diagnostics;
 mod failure;
+mod listing;
 mod memory;
 mod output;
 mod outputs;
@@ -39,7 +36,7 @@ use crate::failure::{Failure, Status};
 
 fn main() -> ExitCode {
     let command = Arguments::parse().command;
-    // A panic is a defect of this program, and has said so by now; exit codes keep their meaning.
+    // The panic hook has printed the message already; here the panic only sets the exit code.
     let outcome = catch_unwind(|| run(&command)).unwrap_or(Ok(Status::Failed));
     match outcome {
         Ok(status) => ExitCode::from(status.code()),

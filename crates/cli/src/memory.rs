@@ -1,9 +1,9 @@
-//! How much memory there is to take.
+//! Available memory.
 
 use std::fs::read_to_string;
 
-/// The bytes that can be taken without swapping, and without reaching a limit that a shell
-/// (`ulimit -v`) or a container sets to this process; `None` where the system does not tell.
+/// The bytes that this process can allocate without swapping and without reaching a limit set by a
+/// shell (`ulimit -v`) or a container; `None` if the system does not report it.
 pub(crate) fn available() -> Option<u64> {
     let read = |path: &str| read_to_string(path).ok();
     let physical = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
@@ -18,7 +18,7 @@ pub(crate) fn available() -> Option<u64> {
     [physical, address_space, container()].into_iter().flatten().min()
 }
 
-/// The line `MemAvailable: 123 kB` of Linux' `/proc/meminfo` and its like, in bytes.
+/// The value of a line such as `MemAvailable: 123 kB` in Linux's `/proc/meminfo`, in bytes.
 fn kilobytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
@@ -31,7 +31,7 @@ fn address_space_limit(limits: &str) -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// The only number of a file; `None` for the word `max`, which stands for no limit.
+/// The number in a file of one number; `None` for the word `max`, which means no limit.
 fn bytes(text: &str) -> Option<u64> {
     text.trim().parse().ok()
 }

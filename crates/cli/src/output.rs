@@ -1,4 +1,4 @@
-//! Files that are written: named and checked before the work begins, whole or not at all.
+//! Output files. They are checked before rendering starts, and written completely or not at all.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use etendue::image::{FileFormat, ImageError};
 
 use crate::failure::Failure;
 
-/// A picture file to be written.
+/// A picture file to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Target {
     pub(crate) path: PathBuf,
@@ -17,26 +17,26 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    /// A target whose format is that of its extension, in a folder where a file can be made.
+    /// Takes the format from the extension, and checks that the file can be created.
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().and_then(|extension| extension.to_str());
         let Some(format) = extension.and_then(FileFormat::from_extension) else {
             let known: Vec<_> =
                 FileFormat::all().filter_map(|f| f.extensions().first().copied()).collect();
             let problem = match extension {
-                Some(extension) => format!("`.{extension}` is no picture format"),
-                None => "there is no extension to tell the format by".to_owned(),
+                Some(extension) => format!("`.{extension}` is not a picture format"),
+                None => "the name has no extension, which selects the format".to_owned(),
             };
             let (path, known) = (path.display(), known.join(", "));
             return Err(Failure::bad_input(format!(
-                "cannot write {path}: {problem}; there are {known}"
+                "cannot write {path}: {problem}; the formats are {known}"
             )));
         };
         probe(path)?;
         Ok(Self { path: path.to_path_buf(), format })
     }
 
-    /// Puts an encoded picture in place.
+    /// Writes an encoded picture.
     pub(crate) fn write(&self, encoded: Result<Vec<u8>, ImageError>) -> Result<(), Failure> {
         let result = match encoded {
             Ok(bytes) => write_durably(&self.path, |out| out.write_all(&bytes))
@@ -48,15 +48,15 @@ impl Target {
     }
 }
 
-/// The outputs of a scene for which none were named: its own name with `.exr` and with `.png`, or
-/// with `.A-B.part` or `.I-of-N.part` for some of the samples.
+/// The default outputs of a scene: its name with `.exr` and `.png`, or with `.A-B.part` or
+/// `.I-of-N.part` for a subset of the samples.
 pub(crate) fn default_names(
     scene: &Path,
     folder: &Path,
     samples: Option<&SampleChoice>,
 ) -> Vec<PathBuf> {
     let stem = scene.file_stem().unwrap_or_else(|| "picture".as_ref());
-    // A stem may hold dots, so the extension is added rather than set.
+    // The stem may contain dots, so `set_extension` would cut it.
     let named = |extension: String| {
         let mut name = stem.to_owned();
         name.push(".");
@@ -74,7 +74,7 @@ pub(crate) fn default_names(
     }
 }
 
-/// Finds out whether a file could be written, by making a temporary one.
+/// Checks that a file can be written, by creating a temporary one beside it.
 pub(crate) fn probe(path: &Path) -> Result<(), Failure> {
     let tried = if path.is_dir() {
         Err("it is a folder".to_owned())

@@ -1,4 +1,4 @@
-//! The files that one render or merge is to make: pictures, and parts to be merged.
+//! The output files of one render or merge: pictures, and parts to be merged.
 
 use std::path::{Path, PathBuf};
 
@@ -12,24 +12,24 @@ use crate::terminal;
 /// The extension of parts.
 const PART_EXTENSION: &str = "part";
 
-/// The files to be made, all checked.
+/// The output files, all checked to be writable.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Outputs {
     pictures: Vec<Target>,
     parts: Vec<SumsFile>,
 }
 
-/// What a render makes.
+/// What a render produces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Product {
-    /// Pictures, and parts where they are named.
+    /// Pictures, and also parts if requested by name.
     Pictures,
-    /// A range of samples, which is no picture: parts alone.
+    /// Only parts, because a subset of the samples is not a picture.
     Parts,
 }
 
 impl Outputs {
-    /// Files of these names, in folders where files can be made.
+    /// Checks that files of these names can be written.
     pub(crate) fn new(paths: &[PathBuf], product: Product) -> Result<Self, Failure> {
         let mut outputs = Self::default();
         for path in paths {
@@ -39,8 +39,8 @@ impl Outputs {
             } else if product == Product::Parts {
                 let path = path.display();
                 return Err(Failure::bad_input(format!(
-                    "cannot write {path}: some of the samples make a part of a picture; name it \
-                     with .{PART_EXTENSION}"
+                    "cannot write {path}: a subset of the samples is not a picture; use the \
+                     extension .{PART_EXTENSION}"
                 )));
             } else {
                 outputs.pictures.push(Target::new(path)?);
@@ -60,24 +60,24 @@ impl Outputs {
         self.paths().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
     }
 
-    /// Where the samples are kept until the files are there.
+    /// The checkpoint that belongs to these files.
     pub(crate) fn checkpoint(&self) -> Option<SumsFile> {
         self.paths().next().map(SumsFile::checkpoint_of)
     }
 
-    /// Whether all files are there and nothing says that they are unfinished.
+    /// Whether all files exist, with no checkpoint that marks them as unfinished.
     pub(crate) fn exist(&self) -> bool {
         let unfinished = self.checkpoint().is_some_and(|checkpoint| checkpoint.exists());
         !unfinished && self.paths().all(Path::is_file)
     }
 
-    /// Writes every picture that can be written, several at once, and tells why of the others.
+    /// Writes the pictures in parallel, and prints an error for each that cannot be written.
     pub(crate) fn write_pictures(&self, rendering: &Rendering) -> Status {
         let write_one = |target: &Target| status_of(target.write(rendering.encode(target.format)));
-        self.pictures.par_iter().map(write_one).max().unwrap_or(Status::Fine)
+        self.pictures.par_iter().map(write_one).max().unwrap_or(Status::Success)
     }
 
-    /// Writes every part that can be written, and tells why of the others.
+    /// Writes the parts, and prints an error for each that cannot be written.
     pub(crate) fn write_parts(&self, film: &FilmSums, record: &FilmRecord) -> Status {
         let write_one = |part: &SumsFile| {
             let path = part.path().display();
@@ -86,15 +86,13 @@ impl Outputs {
                 written.map_err(|error| Failure::failed(format!("cannot write {path}: {error}"))),
             )
         };
-        self.parts.iter().map(write_one).max().unwrap_or(Status::Fine)
+        self.parts.iter().map(write_one).max().unwrap_or(Status::Success)
     }
 
-    /// Whether there are parts among the files.
     pub(crate) fn has_parts(&self) -> bool {
         !self.parts.is_empty()
     }
 
-    /// Whether there are pictures among the files.
     pub(crate) fn has_pictures(&self) -> bool {
         !self.pictures.is_empty()
     }
@@ -102,7 +100,7 @@ impl Outputs {
 
 fn status_of(written: Result<(), Failure>) -> Status {
     match written {
-        Ok(()) => Status::Fine,
+        Ok(()) => Status::Success,
         Err(failure) => {
             terminal::error(&failure.message);
             failure.status

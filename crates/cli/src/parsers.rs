@@ -1,4 +1,4 @@
-//! Readers of argument values.
+//! Parsers for argument values.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -34,7 +34,7 @@ pub(crate) fn define(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// `10m`, `1h30m`, `90s`, `500ms`, or seconds.
+/// `10m`, `1h30m`, `90s`, `500ms`, or a number of seconds.
 pub(crate) fn time(text: &str) -> Result<Duration, String> {
     let problem = || "expected a time such as 90s, 10m or 1h30m".to_owned();
     if let Ok(seconds) = text.parse() {
@@ -56,13 +56,13 @@ pub(crate) fn time(text: &str) -> Result<Duration, String> {
     if text.is_empty() { Err(problem()) } else { Ok(total) }
 }
 
-/// A time between one thing and the next, which is not zero.
+/// A time above zero.
 pub(crate) fn interval(text: &str) -> Result<Duration, String> {
     let interval = time(text)?;
-    if interval.is_zero() { Err("expected more than no time".to_owned()) } else { Ok(interval) }
+    if interval.is_zero() { Err("expected a time above zero".to_owned()) } else { Ok(interval) }
 }
 
-/// `A..B`: sample indices from A to below B; or `I/N`: the part I of N, from 1.
+/// `A..B`: sample indices from A to B - 1; or `I/N`: part I of N, counted from 1.
 pub(crate) fn samples(text: &str) -> Result<SampleChoice, String> {
     let numbers = |separator: &str| {
         let (first, second) = text.split_once(separator)?;
@@ -74,9 +74,7 @@ pub(crate) fn samples(text: &str) -> Result<SampleChoice, String> {
             Ok(SampleChoice::Part { number, count })
         }
         _ => {
-            Err("expected A..B, such as 0..64, of which B is the first one left out, or I/N, such \
-                  as 1/8"
-                .into())
+            Err("expected A..B, such as 0..64 for the first 64 samples, or I/N, such as 1/8".into())
         }
     }
 }
@@ -92,12 +90,12 @@ fn unit_in_seconds(unit: &str) -> Option<f64> {
     }
 }
 
-/// A file of variances: `FILE`, or `FILE@COUNT` where it holds the variance of single samples and
-/// the picture is the mean of `COUNT` of them.
+/// A variance file: `FILE`, or `FILE@COUNT` if it holds the variance of single samples and the
+/// picture is the mean of `COUNT` samples.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct VarianceFile {
     pub(crate) path: PathBuf,
-    /// Samples that the picture is the mean of; 1 where the variance is the mean's already.
+    /// The number of samples in the mean; 1 if the file already holds the variance of the mean.
     pub(crate) count: f64,
 }
 
@@ -114,7 +112,7 @@ pub(crate) fn variance_file(text: &str) -> Result<VarianceFile, String> {
     }
 }
 
-/// `X,Y,INDEX`: a pixel of the film, and which of its samples.
+/// `X,Y,INDEX`: a pixel of the film and the index of one of its samples.
 pub(crate) fn sample_id(text: &str) -> Result<SampleId, String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -159,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_and_ranges_are_not_empty() {
+    fn empty_intervals_and_ranges_are_rejected() {
         assert_eq!(interval("5s"), Ok(Duration::from_secs(5)));
         assert!(interval("0").is_err());
         assert_eq!(samples("16..32"), Ok(SampleChoice::Indices(16..32)));
@@ -189,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_named_by_pixel_and_index() {
+    fn sample_ids_have_a_pixel_and_an_index() {
         assert_eq!(sample_id("1,2,3"), Ok(SampleId { x: 1, y: 2, index: 3 }));
         assert!(sample_id("1,2").is_err());
     }

@@ -1,4 +1,4 @@
-//! Picture files that are read.
+//! Reads picture files.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use etendue::image::{Picture, decode_picture};
 
 use crate::failure::Failure;
 
-/// Reads a picture in any format.
+/// Reads a picture in any supported format.
 pub(crate) fn read(path: &Path) -> Result<Picture, Failure> {
     let name = path.display().to_string();
     let bytes = Files::default()

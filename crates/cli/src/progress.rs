@@ -1,4 +1,4 @@
-//! How far the render is: a bar on a terminal, plain lines elsewhere.
+//! Shows the progress of a render: a bar on a terminal, plain lines elsewhere.
 
 use std::io::{IsTerminal, stderr};
 use std::path::Path;
@@ -11,33 +11,33 @@ use serde_json::{Value, json};
 
 use crate::{terminal, text};
 
-/// The bar's length: fractions of a thousandth are not seen.
+/// The bar's length; finer steps would not be visible.
 const STEPS: u64 = 1000;
 
-/// Plain lines come this often at most, and at least this often.
+/// The shortest and the longest interval between plain lines.
 const LINE_INTERVALS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
-/// Lines for other programs come this often.
+/// The interval between lines of JSON.
 const JSON_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Shows progress in one of four ways.
 pub(crate) enum ProgressDisplay {
-    /// A bar that the engine's news moves; no thread of its own.
+    /// A bar. The engine's progress reports redraw it; it has no thread of its own.
     Bar(ProgressBar),
-    /// Lines, the time of the next of which is kept.
+    /// Plain lines, and the time at which the next one is due.
     Lines(Mutex<Duration>),
-    /// Lines of JSON on standard output, for other programs; the time of the next one is kept.
+    /// Lines of JSON on standard output, and the time at which the next one is due.
     Json(Mutex<Duration>),
     /// Nothing.
     Silent,
 }
 
 impl ProgressDisplay {
-    /// What suits standard error, unless it is asked for otherwise.
-    pub(crate) fn new(wanted: Wanted) -> Self {
-        if wanted == Wanted::Json {
+    /// Chooses the display for a mode.
+    pub(crate) fn new(mode: ProgressMode) -> Self {
+        if mode == ProgressMode::Json {
             Self::Json(Mutex::new(Duration::ZERO))
-        } else if wanted == Wanted::Nothing {
+        } else if mode == ProgressMode::Silent {
             Self::Silent
         } else if stderr().is_terminal() {
             Self::Bar(bar())
@@ -46,7 +46,7 @@ impl ProgressDisplay {
         }
     }
 
-    /// Says what may be wrong, beside the bar if there is one.
+    /// Prints a warning without disturbing the bar.
     pub(crate) fn warn(&self, message: &str) {
         match self {
             Self::Bar(bar) => bar.suspend(|| terminal::warning(message)),
@@ -54,25 +54,25 @@ impl ProgressDisplay {
         }
     }
 
-    /// Says that what was done some time ago is kept: to other programs only.
-    pub(crate) fn checkpoint(&self, path: &Path, ago: Duration) {
-        let (file, seconds) = (path.display().to_string(), ago.as_secs_f64());
+    /// Reports a checkpoint to other programs. `age` is the time since its samples were taken.
+    pub(crate) fn checkpoint(&self, path: &Path, age: Duration) {
+        let (file, seconds) = (path.display().to_string(), age.as_secs_f64());
         self.event("checkpoint", &json!({ "file": file, "seconds": seconds }));
     }
 
-    /// Tells other programs that something has happened.
+    /// Reports an event to other programs.
     pub(crate) fn event(&self, name: &str, details: &Value) {
         if let Self::Json(_) = self {
             let mut line = json!({ "event": name });
             if let (Some(line), Some(details)) = (line.as_object_mut(), details.as_object()) {
                 line.extend(details.clone());
             }
-            // A reader that went away does not stop the render.
+            // The render continues if the reader has closed the pipe.
             let _ = terminal::result(&format!("{line}\n"));
         }
     }
 
-    /// Removes the bar, so that what follows starts on a clean line.
+    /// Removes the bar, so that the next message starts on a clean line.
     pub(crate) fn finish(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
@@ -80,15 +80,15 @@ impl ProgressDisplay {
     }
 }
 
-/// How progress is asked for.
+/// The kind of progress display requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
-    /// As suits standard error.
+pub(crate) enum ProgressMode {
+    /// A bar or plain lines, depending on standard error.
     Default,
-    /// A line of JSON a second on standard output.
+    /// One line of JSON per second on standard output.
     Json,
-    /// Not at all.
-    Nothing,
+    /// Nothing.
+    Silent,
 }
 
 fn bar() -> ProgressBar {
@@ -106,7 +106,7 @@ impl Observer for ProgressDisplay {
                 bar.set_message(describe(progress));
             }
             Self::Lines(next) => {
-                // Only one thread reports at a time; a poisoned lock still holds a time.
+                // A time is valid even if the lock is poisoned.
                 let mut next = next.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 if progress.elapsed >= *next {
                     *next = progress.elapsed + line_interval(progress.elapsed);
@@ -137,7 +137,7 @@ fn as_json(progress: &Progress) -> Value {
     })
 }
 
-/// Lines get rarer the longer it takes, so that a log stays short.
+/// The interval grows with the elapsed time, so that logs stay short.
 fn line_interval(elapsed: Duration) -> Duration {
     (elapsed / 8).clamp(LINE_INTERVALS[0], LINE_INTERVALS[1])
 }
@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_description_has_rate_and_time_left() {
+    fn the_description_has_rate_and_time_left() {
         let progress = Progress {
             samples_done: 2_000_000,
             samples_before: 0,
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_get_rarer() {
+    fn the_interval_between_lines_grows() {
         assert_eq!(line_interval(Duration::ZERO), LINE_INTERVALS[0]);
         assert_eq!(line_interval(Duration::from_secs(80)), Duration::from_secs(10));
         assert_eq!(line_interval(Duration::from_secs(10_000)), LINE_INTERVALS[1]);

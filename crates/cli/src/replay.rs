@@ -1,4 +1,4 @@
-//! Samples that were left out of a picture, and how to look into one.
+//! Reports samples that were left out of a picture, and replays single samples.
 
 use etendue::engine::SampleSource;
 use etendue::{Defect, DefectiveSample, Defects, RenderJob, SampleId};
@@ -6,7 +6,7 @@ use etendue::{Defect, DefectiveSample, Defects, RenderJob, SampleId};
 use crate::failure::Failure;
 use crate::{terminal, text};
 
-/// Says how many samples were left out and how the first of them can be taken again.
+/// Warns about samples that were left out, with commands that replay the first ones.
 pub(crate) fn report(defects: &Defects) {
     if defects.total() > 0 {
         report_count(defects);
@@ -14,7 +14,7 @@ pub(crate) fn report(defects: &Defects) {
     }
 }
 
-/// Says how many samples were left out of parts, whose scenes are elsewhere.
+/// Warns about samples that were left out of parts. There is no scene to replay them with.
 pub(crate) fn report_without_command(defects: &Defects) {
     if defects.total() > 0 {
         report_count(defects);
@@ -41,12 +41,12 @@ fn report_samples(defects: &Defects) {
     }
 }
 
-/// This run's arguments, as a shell would take them again.
+/// This run's command line, quoted for a shell.
 fn command_line() -> String {
     std::env::args().map(|argument| quote(&argument)).collect::<Vec<_>>().join(" ")
 }
 
-/// An argument as a POSIX shell reads it.
+/// Quotes an argument for a POSIX shell.
 fn quote(argument: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:@+".contains(c);
     if !argument.is_empty() && argument.chars().all(is_plain) {
@@ -55,13 +55,13 @@ fn quote(argument: &str) -> String {
     format!("'{}'", argument.replace('\'', r"'\''"))
 }
 
-/// Takes one sample again and shows what it says.
+/// Renders one sample again and prints its values.
 pub(crate) fn show(job: &RenderJob, id: SampleId) -> Result<(), Failure> {
     let film = &job.setup().film;
     if id.x >= film.width || id.y >= film.height {
         let (x, y, width, height) = (id.x, id.y, film.width, film.height);
         return Err(Failure::bad_input(format!(
-            "there is no pixel {x},{y} on a film of {width}x{height}"
+            "pixel {x},{y} is outside the film of {width}x{height}"
         )));
     }
     let replay = job.camera().replay(id);
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arguments_are_quoted_where_a_shell_would_split_or_expand_them() {
+    fn arguments_that_a_shell_would_split_or_expand_are_quoted() {
         assert_eq!(quote("a/b-c.xml"), "a/b-c.xml");
         assert_eq!(quote("two words"), "'two words'");
         assert_eq!(quote("it's"), r"'it'\''s'");

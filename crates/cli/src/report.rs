@@ -1,4 +1,4 @@
-//! What a render says when it is done.
+//! Summary messages of a render.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use etendue::{LoadTimes, RenderJob, Rendering, SamplesPerPixel, Statistics};
 use crate::outputs::Outputs;
 use crate::{terminal, text};
 
-/// `a.exr, a.png: 256x256, 64 samples per pixel in 1.20 s (3.41 Msamples/s)`.
+/// Prints `a.exr, a.png: 256x256, 64 samples per pixel in 1.20 s (3.41 Msamples/s)`.
 pub(crate) fn written(rendering: &Rendering, outputs: &Outputs) {
     let (picture, statistics) = (&rendering.picture, &rendering.statistics);
     let SamplesPerPixel { least, most } = statistics.samples_per_pixel;
@@ -28,7 +28,7 @@ pub(crate) fn written(rendering: &Rendering, outputs: &Outputs) {
     ));
 }
 
-/// Where the time went.
+/// Prints how long each stage took.
 pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration) {
     let milliseconds = |duration: Duration| format!("{:.1} ms", duration.as_secs_f64() * 1e3);
     terminal::message_line(&format!(
@@ -42,7 +42,7 @@ pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration
     ));
 }
 
-/// What the render will take, before it is taken: `memory: 1.2 GB scene, 158 MB film`.
+/// Prints the memory that the render needs, before it starts: `memory: 1.2 GB scene, 158 MB film`.
 pub(crate) fn memory(scene: &Scene, job: &RenderJob) {
     let statistics = scene.statistics();
     let scene = statistics.mesh_bytes

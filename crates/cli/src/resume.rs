@@ -1,4 +1,4 @@
-//! What becomes of a checkpoint that is there when a render is asked for.
+//! Handles a checkpoint that exists when a render starts.
 
 use std::io::{BufRead, IsTerminal, stderr, stdin};
 
@@ -9,7 +9,7 @@ use crate::checkpoint_writer::Resume;
 use crate::failure::Failure;
 use crate::{terminal, text};
 
-/// Decides whether a render goes on with a checkpoint, and reads its header if so.
+/// Decides whether to resume from a checkpoint, and reads its header if so.
 pub(crate) fn find(
     checkpoint: &SumsFile,
     resume: Option<Resume>,
@@ -18,7 +18,7 @@ pub(crate) fn find(
     if !checkpoint.exists() {
         return match resume {
             Some(Resume::Yes) => {
-                Err(Failure::bad_input(format!("there is no checkpoint {path} to go on with")))
+                Err(Failure::bad_input(format!("cannot resume: there is no checkpoint {path}")))
             }
             _ => Ok(None),
         };
@@ -30,20 +30,20 @@ pub(crate) fn find(
     if resume.is_some() || ask(checkpoint, &header)? { Ok(Some(header)) } else { Ok(None) }
 }
 
-/// Asks what to do; without anybody to ask, nothing is done.
+/// Asks the user whether to resume; without a terminal, this is an error.
 fn ask(checkpoint: &SumsFile, header: &FilmFile) -> Result<bool, Failure> {
     let path = checkpoint.path().display();
     let held = text::counted(header.samples_per_pixel as usize, "sample");
     if !stdin().is_terminal() || !stderr().is_terminal() {
         return Err(Failure::bad_input(format!(
-            "{path} holds {held} per pixel of an earlier run: --resume goes on with it, \
-             --resume=never starts afresh"
+            "{path} holds {held} per pixel from an earlier run: --resume continues it, \
+             --resume=never starts over"
         )));
     }
     loop {
         terminal::message(&format!(
-            "{path} holds {held} per pixel of an earlier run. Go on with it? \
-             [y]es, [n]o: start afresh, [q]uit: "
+            "{path} holds {held} per pixel from an earlier run. Resume it? \
+             [y]es, [n]o (start over), [q]uit: "
         ));
         let mut answer = String::new();
         let read = stdin().lock().read_line(&mut answer);
@@ -51,12 +51,12 @@ fn ask(checkpoint: &SumsFile, header: &FilmFile) -> Result<bool, Failure> {
             (Ok(1..), "y" | "yes") => return Ok(true),
             (Ok(1..), "n" | "no") => return Ok(false),
             (Ok(1..), answer) if !matches!(answer, "q" | "quit") => {}
-            _ => return Err(Failure::bad_input("nothing was done")),
+            _ => return Err(Failure::bad_input("cancelled before rendering")),
         }
     }
 }
 
-/// The sums of a checkpoint, if they are sums of this job.
+/// Reads the sums of a checkpoint, if they belong to this job.
 pub(crate) fn read(
     checkpoint: &SumsFile,
     header: &FilmFile,
@@ -72,14 +72,14 @@ pub(crate) fn read(
     {
         let path = checkpoint.path().display();
         return Err(Failure::bad_input(format!(
-            "{path} holds up to {} per pixel, more than the {wanted} asked for",
+            "{path} holds up to {} per pixel, more than the {wanted} requested",
             text::counted(most as usize, "sample")
         )));
     }
     Ok(film)
 }
 
-/// Refuses sums of another picture, and tells what differs.
+/// Rejects sums of another picture, and lists what differs.
 fn check(checkpoint: &SumsFile, header: &FilmFile, job: &RenderJob) -> Result<(), Failure> {
     let mut found = differences(&header.record.identity, &job.identity());
     let first = job.job().first_sample;
@@ -94,19 +94,19 @@ fn check(checkpoint: &SumsFile, header: &FilmFile, job: &RenderJob) -> Result<()
         return Ok(());
     }
     let path = checkpoint.path().display();
-    let mut message = format!("{path} is of another picture, and stays as it is:");
+    let mut message = format!("{path} belongs to another picture and was left unchanged:");
     for Difference { name, file, other } in &found {
         message.push_str(&format!("\n  {name}: {file}; now {other}"));
     }
-    message.push_str("\n--resume=never starts afresh and overwrites it");
+    message.push_str("\n--resume=never starts over and overwrites it");
     Err(Failure::bad_input(message))
 }
 
 fn unreadable(checkpoint: &SumsFile, error: &FilmFileError) -> Failure {
     let path = checkpoint.path().display();
     let message = format!(
-        "cannot go on with {path}: {error}; it stays as it is, --resume=never starts afresh and \
-         overwrites it"
+        "cannot resume from {path}: {error}; the file was left unchanged; --resume=never starts \
+         over and overwrites it"
     );
     match error {
         FilmFileError::Io(_) => Failure::failed(message),

@@ -1,5 +1,5 @@
-//! Ctrl-C and SIGTERM: the first one ends the render and writes what is done, the second one
-//! leaves at once.
+//! Ctrl-C and SIGTERM: the first signal stops the render and saves its results, the second one ends
+//! the process at once.
 
 use std::io;
 use std::sync::Arc;
@@ -13,18 +13,18 @@ use crate::failure::Signal;
 
 const SIGNALS: [(i32, Signal); 2] = [(SIGINT, Signal::Interrupt), (SIGTERM, Signal::Terminate)];
 
-/// What the signals set.
+/// The state that the signal handlers set.
 pub(crate) struct Signals {
     cancel: Cancel,
-    /// Whether the next signal ends the process within its handler.
+    /// Whether the next signal ends the process from its handler.
     leave_at_once: Arc<AtomicBool>,
-    /// The exit code of the signal that came last; 0 before any.
+    /// The exit code of the last signal; 0 before any.
     received: Arc<AtomicUsize>,
 }
 
 impl Signals {
-    /// Takes the signals over. Until [`Signals::finish_gracefully`], they end the process at once:
-    /// there is nothing yet that would be worth writing.
+    /// Installs the handlers. Until [`Signals::finish_gracefully`], a signal ends the process at
+    /// once, because there is nothing to save yet.
     pub(crate) fn install() -> io::Result<Self> {
         let signals = Self {
             cancel: Cancel::new(),
@@ -32,8 +32,8 @@ impl Signals {
             received: Arc::default(),
         };
         for (number, signal) in SIGNALS {
-            // Handlers run in this order, so the first signal of a render arms the way out that
-            // the second one takes.
+            // Handlers run in this order: the first signal during a render sets the flag that makes
+            // the second one end the process.
             let leave = Arc::clone(&signals.leave_at_once);
             flag::register_conditional_shutdown(number, i32::from(signal.code()), leave)?;
             flag::register(number, Arc::clone(&signals.leave_at_once))?;
@@ -44,22 +44,22 @@ impl Signals {
         Ok(signals)
     }
 
-    /// From here on there is a picture to save.
+    /// Lets the next signal stop the render gracefully, because there is a picture to save.
     pub(crate) fn finish_gracefully(&self) {
         self.leave_at_once.store(false, Ordering::SeqCst);
     }
 
-    /// From here on there is none: the next signal ends the process.
+    /// Lets the next signal end the process at once, because there is nothing to save.
     pub(crate) fn leave_at_once(&self) {
         self.leave_at_once.store(true, Ordering::SeqCst);
     }
 
-    /// What stops the render.
+    /// The flag that stops the render.
     pub(crate) fn cancel(&self) -> &Cancel {
         &self.cancel
     }
 
-    /// The signal that came last.
+    /// The last signal received.
     pub(crate) fn received(&self) -> Option<Signal> {
         let code = self.received.load(Ordering::SeqCst);
         let signals = SIGNALS.map(|(_, signal)| signal);

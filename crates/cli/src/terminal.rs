@@ -1,19 +1,19 @@
-//! Messages on standard error, results on standard output.
+//! Prints messages to standard error and results to standard output.
 //!
-//! A reader that went away is no error: `etendue info scene.xml | head -1` must not complain.
+//! A closed pipe is not an error: `etendue info scene.xml | head -1` must not complain.
 
 use std::io::{ErrorKind, Write, stderr, stdout};
 
 use crate::color;
 use crate::failure::Failure;
 
-/// Says what ends the run.
+/// Prints an error.
 pub(crate) fn error(message: &str) {
     let (start, end) = if color::is_wanted() { ("\x1b[1;31m", "\x1b[0m") } else { ("", "") };
     message_line(&format!("{start}error{end}: {message}"));
 }
 
-/// Says what may be wrong with the result.
+/// Prints a warning.
 pub(crate) fn warning(message: &str) {
     let (start, end) = if color::is_wanted() { ("\x1b[1;33m", "\x1b[0m") } else { ("", "") };
     message_line(&format!("{start}warning{end}: {message}"));
@@ -24,7 +24,7 @@ pub(crate) fn message_line(line: &str) {
     message(&format!("{line}\n"));
 }
 
-/// Writes text to standard error. There is nowhere to report that this failed.
+/// Writes text to standard error. There is nowhere to report a failure.
 pub(crate) fn message(text: &str) {
     let _ = stderr().lock().write_all(text.as_bytes());
 }

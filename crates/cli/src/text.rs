@@ -1,4 +1,4 @@
-//! Numbers and times as people read them.
+//! Formats numbers and times for people.
 
 use std::time::Duration;
 
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn times_have_two_units_at_most() {
+    fn times_have_at_most_two_units() {
         let shown = |seconds: f64| duration(Duration::from_secs_f64(seconds));
         assert_eq!(shown(0.034), "0.03 s");
         assert_eq!(shown(12.4), "12 s");

@@ -1,4 +1,4 @@
-//! The variances that belong to two pictures: their own layers, or files.
+//! Finds the variances of two pictures, in their own layers or in files.
 
 use etendue::image::{ColorImage, Picture};
 
@@ -9,10 +9,10 @@ use crate::pictures;
 /// The layers that `etendue render --variance` writes.
 const LAYERS: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 
-/// The variance of the mean for each of two pictures; `None` if there is none to be had and none
-/// was asked for.
+/// The variance of the mean for each of two pictures; `None` if no file is given and a picture has
+/// no variance layers.
 ///
-/// A picture with variance layers needs no file; two files replace the layers of both.
+/// A picture with variance layers needs no file. Two files replace the layers of both pictures.
 pub(crate) fn find(
     pictures: &[Picture; 2],
     files: &[VarianceFile],
@@ -24,14 +24,14 @@ pub(crate) fn find(
         ([file], Some(first), None) => Ok(Some([first, read(file)?])),
         ([file], None, Some(second)) => Ok(Some([read(file)?, second])),
         ([_], None, None) => Err(Failure::bad_input(
-            "one file of variances is not enough: neither picture has `variance` layers \
+            "one variance file is not enough: neither picture has `variance` layers \
              (`etendue render --variance` writes them)",
         )),
         ([_], Some(_), Some(_)) => Err(Failure::bad_input(
-            "it is unclear which picture the variances belong to: both have `variance` layers",
+            "it is unclear which picture the variance file belongs to: both have `variance` layers",
         )),
         ([first, second], ..) => Ok(Some([read(first)?, read(second)?])),
-        _ => Err(Failure::bad_input("there are more files of variances than pictures")),
+        _ => Err(Failure::bad_input("there are more variance files than pictures")),
     }
 }
 
@@ -42,7 +42,7 @@ fn own_layers(picture: &Picture) -> Option<ColorImage> {
     Some(ColorImage { width: picture.width, height: picture.height, pixels })
 }
 
-/// The variance of the mean that a file gives.
+/// Reads the variance of the mean from a file.
 fn read(file: &VarianceFile) -> Result<ColorImage, Failure> {
     let picture = pictures::read(&file.path)?;
     let image = own_layers(&picture).map_or_else(|| picture.to_color_image(), Ok);
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn own_layers_are_used_without_being_asked_for() {
+    fn own_layers_are_used_by_default() {
         let found = find(&[picture(Some(2.0)), picture(Some(3.0))], &[]).unwrap().unwrap();
         assert_eq!(found.map(|image| image.pixels[0]), [[2.0; 3], [3.0; 3]]);
         assert!(find(&[picture(Some(2.0)), picture(None)], &[]).unwrap().is_none());

@@ -1,6 +1,6 @@
-//! Renders killed with SIGKILL at random moments and resumed until they are done, compared with an
-//! undisturbed render: every bit must be equal, and a kill may cost no more than the interval between
-//! checkpoints and the time that writing one takes.
+//! Kills renders with SIGKILL at random moments and resumes them until they finish. Each picture must
+//! equal that of an uninterrupted render, bit for bit. A kill may lose no more than the interval
+//! between checkpoints and the time to write one.
 #![allow(
     clippy::disallowed_methods,
     clippy::disallowed_macros,
@@ -23,28 +23,27 @@ use etendue_testkit::TestRng;
 use run::{Workplace, binary};
 use serde_json::Value;
 
-/// How many renders are killed and resumed, unless the environment variable `ETENDUE_KILLS` says.
+/// How many renders are killed and resumed; the environment variable `ETENDUE_KILLS` overrides it.
 const COUNT: u64 = 20;
 
-/// What a busy machine may put between a moment and its being noticed: for nine kills in ten, and for
-/// any.
+/// The delay that a busy machine may add to a measured loss: for nine kills in ten, and for any kill.
 const USUAL_DELAY: Duration = Duration::from_millis(50);
 const LONGEST_DELAY: Duration = Duration::from_secs(2);
 
-/// Intervals between checkpoints, in milliseconds. With the short ones, something is being written
-/// at nearly every moment.
+/// Intervals between checkpoints, in milliseconds. With the short ones, a checkpoint is being written
+/// nearly all the time.
 const INTERVALS: [u64; 4] = [5, 20, 100, 300];
 
 /// The name of the picture.
 const PICTURE: &str = "killed.pfm";
 
-/// One kind of render.
+/// A scene and its options.
 struct Case {
     scene: &'static str,
     options: &'static [&'static str],
 }
 
-/// Renders of some seconds on one thread, of all that sums may hold.
+/// Renders that take a few seconds on one thread. Together they cover all contents of a checkpoint.
 const CASES: [Case; 3] = [
     Case { scene: "cornell-box", options: &["--size", "96x96", "--spp", "96"] },
     Case { scene: "glass-and-metal", options: &["--size", "100x60", "--spp", "64", "--variance"] },
@@ -54,21 +53,21 @@ const CASES: [Case; 3] = [
     },
 ];
 
-/// What all kills together showed.
+/// Results over all kills.
 #[derive(Debug, Default)]
 struct Tally {
     kills: u64,
-    /// Kills in the middle of a write, by what it left behind.
+    /// Kills during a write, recognised by the temporary file left behind.
     during_writes: u64,
     before_the_first: u64,
     longest_loss: Duration,
     longest_write: Duration,
-    /// How far the loss of each kill went beyond the interval.
+    /// How much each loss exceeded the interval.
     excesses: Vec<Duration>,
 }
 
 #[test]
-#[ignore = "slow; `cargo test -- --include-ignored` runs it, and ETENDUE_KILLS says how often"]
+#[ignore = "slow; `cargo test -- --include-ignored` runs it, ETENDUE_KILLS sets the number of renders"]
 fn killed_renders_resume_to_the_same_picture() {
     let count = std::env::var("ETENDUE_KILLS").map_or(COUNT, |text| text.parse().unwrap());
     let workplace = Workplace::new();
@@ -85,20 +84,20 @@ fn killed_renders_resume_to_the_same_picture() {
         let index = (round % CASES.len() as u64) as usize;
         kill_one(&CASES[index], &workplace, &mut random, &mut tally);
         let scene = CASES[index].scene;
-        assert_eq!(workplace.files(), [PICTURE], "render {round} of {scene} has left files");
+        assert_eq!(workplace.files(), [PICTURE], "render {round} of {scene} left files behind");
         let is_equal = workplace.read(PICTURE) == expected[index];
-        assert!(is_equal, "render {round} of {scene} is another picture");
+        assert!(is_equal, "render {round} of {scene} gave another picture");
         fs::remove_file(workplace.path(PICTURE)).unwrap();
     }
     tally.excesses.sort();
     println!("{count} renders, all pictures equal; {tally:?}");
-    assert!(tally.kills >= count / 2, "too few kills came before the end of their render");
-    // A loss is the interval and a write at most. All that is known of an unfinished write is that
-    // another one took as long.
+    assert!(tally.kills >= count / 2, "most renders ended before they were killed");
+    // A kill loses at most the interval and one write. The duration of an unfinished write is unknown,
+    // so the longest finished one stands in for it.
     let usual = tally.excesses[tally.excesses.len() * 9 / 10];
     let longest = tally.excesses[tally.excesses.len() - 1];
-    assert!(usual <= tally.longest_write + USUAL_DELAY, "a tenth of the kills cost {usual:?} more");
-    assert!(longest <= tally.longest_write + LONGEST_DELAY, "a kill cost {longest:?} more");
+    assert!(usual <= tally.longest_write + USUAL_DELAY, "a tenth of the kills lost {usual:?} more");
+    assert!(longest <= tally.longest_write + LONGEST_DELAY, "a kill lost {longest:?} more");
 }
 
 /// Kills one render up to five times, then lets it finish.
@@ -128,19 +127,19 @@ fn kill_one(case: &Case, workplace: &Workplace, random: &mut TestRng, tally: &mu
     assert!(status.success(), "a render cannot be resumed");
 }
 
-/// When a render is killed.
+/// When to kill a render.
 #[derive(Clone, Copy, Debug)]
 enum Moment {
-    /// This long after its start, with or without something to resume.
+    /// This long after its start, whether or not it has written a checkpoint.
     AfterStart(Duration),
     /// This long after its first checkpoint.
     AfterCheckpoint(Duration),
 }
 
-/// A checkpoint: when its writing began and how long it took; `None` for the start of rendering.
+/// When writing a checkpoint began and how long it took; `None` for the start of rendering.
 type Checkpoint = (Instant, Option<Duration>);
 
-/// Hears when rendering starts and checkpoints are written.
+/// Receives the start of rendering and the checkpoints from the render's output.
 fn listen(child: &mut Child) -> Receiver<Checkpoint> {
     let output = child.stdout.take().unwrap();
     let (sender, receiver) = channel();
@@ -165,22 +164,22 @@ fn listen(child: &mut Child) -> Receiver<Checkpoint> {
     receiver
 }
 
-/// What a kill cost.
+/// The effect of a kill.
 struct Killed {
     loss: Duration,
-    /// Whether there was a checkpoint.
+    /// Whether the render had written a checkpoint.
     has_checkpoint: bool,
     longest_write: Duration,
 }
 
-/// Kills a render at some moment; `None` if it ended before.
+/// Kills a render at some moment; `None` if it had already ended.
 fn kill_after(
     child: &mut Child,
     moment: Moment,
     checkpoints: &Receiver<Checkpoint>,
 ) -> Option<Killed> {
     let Ok((started, _)) = checkpoints.recv() else {
-        assert!(child.wait().unwrap().success(), "a render has failed");
+        assert!(child.wait().unwrap().success(), "a render failed");
         return None;
     };
     let mut last = (started, None);
@@ -188,7 +187,7 @@ fn kill_after(
     let time = match moment {
         Moment::AfterStart(time) => time,
         Moment::AfterCheckpoint(time) => {
-            // A render that ends before its first checkpoint is noticed below.
+            // The check below detects a render that ends before its first checkpoint.
             last = checkpoints.recv().unwrap_or(last);
             time
         }
@@ -208,7 +207,7 @@ fn kill_after(
                 longest_write = longest_write.max(checkpoint.1.unwrap_or_default());
             }
             Err(RecvTimeoutError::Disconnected) => break,
-            Err(RecvTimeoutError::Timeout) => panic!("a killed render holds its output open"),
+            Err(RecvTimeoutError::Timeout) => panic!("a killed render keeps its output open"),
         }
     }
     let loss = killed.saturating_duration_since(last.0);

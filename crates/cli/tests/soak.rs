@@ -1,4 +1,4 @@
-//! A long render at constant memory.
+//! A long render must take constant memory.
 #![cfg(target_os = "linux")]
 #![allow(
     clippy::disallowed_methods,
@@ -17,20 +17,20 @@ use std::time::{Duration, Instant};
 
 use run::Workplace;
 
-/// How long it takes, unless the environment variable `ETENDUE_SOAK_MINUTES` says.
+/// How long to render; the environment variable `ETENDUE_SOAK_MINUTES` overrides it.
 const MINUTES: f64 = 2.0;
 
-/// Checkpoints and previews are written this often.
+/// The interval between checkpoints and between previews.
 const INTERVAL: &str = "2s";
 
-/// Between two looks at the memory.
-const LOOK: Duration = Duration::from_millis(500);
+/// The interval between measurements of the memory.
+const SAMPLING_INTERVAL: Duration = Duration::from_millis(500);
 
-/// The peaks of the first and the last quarter may differ by this share.
+/// The relative difference allowed between the peaks at the start and at the end.
 const TOLERANCE: f64 = 0.05;
 
-/// Renders with checkpoints and previews, and compares the largest resident set of the first quarter
-/// of the time (at most a minute) with that of a last part as long.
+/// Renders with checkpoints and previews. Compares the peak resident set of the first quarter of the
+/// time (at most a minute) with that of an equally long period at the end.
 #[test]
 #[ignore = "slow; `cargo test -- --include-ignored` runs it for 2 minutes or ETENDUE_SOAK_MINUTES"]
 fn a_long_render_takes_constant_memory() {
@@ -42,36 +42,36 @@ fn a_long_render_takes_constant_memory() {
     let mut render = workplace.command(&["render", scene, "--quiet", "--threads", "1"]);
     render.args(["--output", "soak.exr", "--preview", "preview.png", "--time", &seconds]);
     render.args(["--checkpoint-every", INTERVAL, "--preview-every", INTERVAL]);
-    let looks = watch(&mut render.spawn().unwrap());
+    let measurements = watch(&mut render.spawn().unwrap());
 
-    let end = looks.last().expect("the render took longer than a look").0;
+    let end = measurements.last().expect("the render was too short to measure").0;
     let part = (end / 4).min(Duration::from_secs(60));
     let peak = |is_within: &dyn Fn(Duration) -> bool| {
-        let within = looks.iter().filter(|(time, _)| is_within(*time));
+        let within = measurements.iter().filter(|(time, _)| is_within(*time));
         within.map(|(_, memory)| *memory).fold(0.0, f64::max)
     };
     let first = peak(&|time| time <= part);
-    // The very end is left out, because the finished picture is encoded then.
-    let margin = LOOK * 4;
+    // Encoding the finished picture takes extra memory, so the very end is left out.
+    let margin = SAMPLING_INTERVAL * 4;
     let last = peak(&|time| time + part + margin >= end && time + margin < end);
     let change = last / first - 1.0;
-    println!("{first:.1} MiB at first, {last:.1} MiB at last, {:+.2} %", 100.0 * change);
-    assert!(change.abs() <= TOLERANCE, "{first:.1} MiB at first, {last:.1} MiB at last");
+    println!("{first:.1} MiB at the start, {last:.1} MiB at the end, {:+.2} %", 100.0 * change);
+    assert!(change.abs() <= TOLERANCE, "{first:.1} MiB at the start, {last:.1} MiB at the end");
 }
 
-/// The resident set in MiB at every look, until the render is done.
+/// Measures the resident set in MiB until the render ends; returns each time and value.
 fn watch(child: &mut Child) -> Vec<(Duration, f64)> {
     let started = Instant::now();
-    let mut looks = Vec::new();
+    let mut measurements = Vec::new();
     loop {
         if let Some(status) = child.try_wait().unwrap() {
             assert!(status.success(), "the render failed");
-            return looks;
+            return measurements;
         }
         if let Some(memory) = resident_set(child.id()) {
-            looks.push((started.elapsed(), memory));
+            measurements.push((started.elapsed(), memory));
         }
-        sleep(LOOK);
+        sleep(SAMPLING_INTERVAL);
     }
 }
 

@@ -1,4 +1,4 @@
-//! `etendue check`: everything that can be said about a scene without rendering it.
+//! `etendue check`: reports all problems of a scene without rendering it.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use crate::diagnostics::Detail;
 use crate::failure::{Failure, Status};
 use crate::{diagnostics, terminal};
 
-/// What is checked.
+/// The arguments of `etendue check`.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Scene files
@@ -19,14 +19,14 @@ pub(crate) struct Arguments {
     scene: SceneArguments,
 }
 
-/// Loads every scene and shows what was found.
+/// Loads every scene and prints its diagnostics.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let workers = arguments.scene.workers()?;
     let detail = match arguments.scene.detail() {
         Detail::Warnings => Detail::Notes,
         other => other,
     };
-    let mut status = Status::Fine;
+    let mut status = Status::Success;
     for path in &arguments.scenes {
         let loaded = arguments.scene.load(path, &workers)?;
         diagnostics::show_list(&loaded.diagnostics, detail);

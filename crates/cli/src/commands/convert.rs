@@ -1,4 +1,4 @@
-//! `etendue convert`: a picture in another format, exposed and tone mapped.
+//! `etendue convert`: converts a picture to another format, with exposure and tone mapping.
 
 use std::path::PathBuf;
 
@@ -9,22 +9,22 @@ use crate::failure::{Failure, Status};
 use crate::output::Target;
 use crate::pictures;
 
-/// What is converted.
+/// The arguments of `etendue convert`.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// The picture to read: exr, png, jpg, hdr, pfm, bmp, tga or tiff
     input: PathBuf,
     /// The picture to write: exr, png, jpg, hdr, pfm, bmp or tiff by extension
     output: PathBuf,
-    /// Exposure in stops: one more doubles all values
+    /// Exposure in stops: each stop doubles all values
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
-    /// How values beyond what a display can show are compressed
+    /// Tone curve that compresses values too bright for a display
     #[arg(long, value_enum, value_name = "CURVE", default_value_t = Curve::None)]
     tonemap: Curve,
 }
 
-/// A tone map, as it is typed.
+/// The tone maps as argument values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Curve {
     None,
@@ -44,7 +44,7 @@ impl From<Curve> for ToneMap {
     }
 }
 
-/// Reads, maps and writes.
+/// Reads, tone maps and writes the picture.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if !arguments.exposure.is_finite() {
         return Err(Failure::bad_input("the exposure is not a finite number"));
@@ -60,10 +60,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         apply(&mut picture, &options);
     }
     target.write(encode(&picture, target.format, &options))?;
-    Ok(Status::Fine)
+    Ok(Status::Success)
 }
 
-/// Exposes and maps the colours of a picture for a format that does not do it by itself.
+/// Applies exposure and tone map to a picture. Only linear formats need this; the encoders of the
+/// others do it.
 fn apply(picture: &mut Picture, options: &EncodeOptions) {
     let Some(main) = picture.main_layer() else {
         return;

@@ -1,4 +1,4 @@
-//! `etendue diff`: how far a picture is from a reference.
+//! `etendue diff`: compares a picture with a reference.
 
 use std::path::PathBuf;
 
@@ -14,33 +14,33 @@ use crate::output::Target;
 use crate::parsers::{self, VarianceFile};
 use crate::{pictures, terminal, variances};
 
-/// What is compared, and how.
+/// The arguments of `etendue diff`.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// The picture
+    /// The picture to compare
     picture: PathBuf,
-    /// What it is compared with
+    /// The reference picture
     reference: PathBuf,
-    /// Print this number alone, and map it with --output
+    /// Print only this metric, and map it with --output
     #[arg(long, value_enum, value_name = "METRIC")]
     metric: Option<Metric>,
-    /// Variances for the picture and the reference, in this order, of those that have no
-    /// `variance` layers of their own. FILE@COUNT: of single samples, COUNT of which made the mean
+    /// Variance files for the picture and the reference, in this order; a picture with `variance`
+    /// layers needs none. FILE@COUNT: variance of single samples, where the mean has COUNT samples
     #[arg(long, value_name = "FILE[@COUNT]", value_parser = parsers::variance_file)]
     variance: Vec<VarianceFile>,
-    /// Write a map of the error (relmse if no metric is chosen) as a picture
+    /// Write an error map as a picture, of relmse unless --metric is given
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// A number that tells how far two pictures are apart.
+/// A measure of the difference between two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Metric {
     /// Relative mean squared error, (x - r)² / (r² + 0.01)
     Relmse,
     /// Mean squared error
     Mse,
-    /// Perceived difference of the pictures as a display shows them, from 0 to 1
+    /// Perceived difference on a display, from 0 to 1
     Flip,
 }
 
@@ -54,14 +54,14 @@ impl Metric {
     }
 }
 
-/// Blocks count as really off only if they differ by more than this share, too: references have
-/// errors of their own, such as single precision.
+/// In the second count, blocks must also differ by more than this share, because references have
+/// errors of their own, such as rounding to single precision.
 const RELEVANT_DIFFERENCE: f64 = 0.02;
 
-/// A map's scale ends where all but this share of the pixels lie below.
+/// The quantile of the error that the brightest colour of a map stands for.
 const MAP_QUANTILE: f32 = 0.99;
 
-/// Reads both, compares, prints, and draws the map.
+/// Compares the pictures, prints the result, and writes the map.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let target = arguments.output.as_deref().map(Target::new).transpose()?;
     let pictures = [pictures::read(&arguments.picture)?, pictures::read(&arguments.reference)?];
@@ -89,10 +89,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let options = EncodeOptions::default();
         target.write(encode(&map.to_picture(maximum), target.format, &options))?;
     }
-    Ok(Status::Fine)
+    Ok(Status::Success)
 }
 
-/// Every number at once.
+/// Formats all metrics.
 fn compare(image: &ColorImage, reference: &ColorImage) -> Result<String, ImageError> {
     let squared = mse(image, reference)?;
     let difference = mean_difference(image, reference)?;
@@ -107,12 +107,12 @@ fn compare(image: &ColorImage, reference: &ColorImage) -> Result<String, ImageEr
         "        {relative_red:+.3} % {relative_green:+.3} % {relative_blue:+.3} %\n"
     ));
     if squared.non_finite > 0 {
-        shown.push_str(&format!("left out: {} pixels that are not finite\n", squared.non_finite));
+        shown.push_str(&format!("left out: {} non-finite pixels\n", squared.non_finite));
     }
     Ok(shown)
 }
 
-/// The shares of blocks that are off by more than noise explains.
+/// Formats the shares of blocks that differ by more than noise explains.
 fn blocks(image: Estimate<'_>, reference: Estimate<'_>) -> Result<String, ImageError> {
     let strict = BlockThresholds::default();
     let relevant = BlockThresholds { relative_difference: RELEVANT_DIFFERENCE, ..strict };

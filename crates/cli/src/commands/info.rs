@@ -1,4 +1,4 @@
-//! `etendue info`: what a scene consists of, and what program and machine read it.
+//! `etendue info`: describes a scene, the program and the machine.
 
 use std::path::PathBuf;
 
@@ -13,20 +13,20 @@ use crate::failure::{Failure, Status};
 use crate::text::{bytes, duration, grouped};
 use crate::{diagnostics, terminal};
 
-/// What is shown, and how.
+/// The arguments of `etendue info`.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// The scene file; without one, the program and the machine alone are shown
+    /// The scene file; without one, show only the program and the machine
     #[arg(value_name = "SCENE")]
     path: Option<PathBuf>,
-    /// Write JSON, for other programs
+    /// Print JSON, for other programs
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     scene: SceneArguments,
 }
 
-/// Shows the program, and what is in the scene if there is one.
+/// Prints the program's properties, and those of the scene if there is one.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let workers = arguments.scene.workers()?;
     let program = program(&workers);
@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             rows_as_text(&program)
         };
         terminal::result(&shown)?;
-        return Ok(Status::Fine);
+        return Ok(Status::Success);
     };
     let loaded = arguments.scene.load(path, &workers)?;
     diagnostics::show(&loaded.diagnostics, arguments.scene.detail());
@@ -52,13 +52,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         rows_as_text(&program) + &as_text(&loaded, scene)
     };
     terminal::result(&shown)?;
-    Ok(Status::Fine)
+    Ok(Status::Success)
 }
 
-/// A name and what it stands for.
+/// A name and its value.
 type Row = (&'static str, String);
 
-/// What reports of mistakes should name: the version, the machine, and how the program uses it.
+/// The properties that a bug report should include: version, target, SIMD level and thread count.
 fn program(workers: &Workers) -> [Row; 4] {
     let profile = if cfg!(debug_assertions) { " (debug)" } else { "" };
     [

@@ -1,4 +1,4 @@
-//! `etendue merge`: parts of a picture, rendered apart, become the picture.
+//! `etendue merge`: merges separately rendered parts into one picture.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -11,28 +11,28 @@ use crate::failure::{Failure, Status};
 use crate::outputs::{Outputs, Product};
 use crate::{memory, replay, report, terminal};
 
-/// What is merged, and to where.
+/// The arguments of `etendue merge`.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// The parts, in any order
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
-    /// Write here: a picture by extension, or a greater .part; several times for several files
+    /// Output file: a picture by extension, or a larger .part. Repeat for several files
     #[arg(short = 'o', long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
-    /// Make the picture even if some of its samples are in none of the parts
+    /// Write the picture even if the parts lack some of its samples
     #[arg(long)]
     allow_missing: bool,
-    /// Say nothing but errors
+    /// Print only errors
     #[arg(short = 'q', long)]
     quiet: bool,
 }
 
-/// Reads and checks all parts, adds them up, and writes what they make.
+/// Reads and checks all parts, adds them up, and writes the outputs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let outputs = Outputs::new(&arguments.output, Product::Pictures)?;
     let files: Vec<SumsFile> = arguments.parts.iter().map(SumsFile::new).collect();
-    // A greater part may lack what comes before and after it.
+    // A larger part may lack samples at either end, but not in between.
     let missing = match arguments.allow_missing || !outputs.has_pictures() {
         true => Missing::Allowed,
         false => Missing::Refused,
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     let rendering = merged
         .develop()
-        .ok_or_else(|| Failure::bad_input("the parts do not say how their picture is made"))?;
+        .ok_or_else(|| Failure::bad_input("the parts do not say how to make their picture"))?;
     let written = outputs.write_pictures(&rendering);
     let written = written.max(outputs.write_parts(&merged.film, &merged.record));
     replay::report_without_command(&rendering.statistics.defects);
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Ok(written)
 }
 
-/// All but what the operating system refuses is due to the parts.
+/// Errors of the operating system are failures; all others are due to the parts.
 fn failure(error: MergeError) -> Failure {
     match &error {
         MergeError::File(_, FilmFileError::Io(io)) if io.kind() != std::io::ErrorKind::NotFound => {

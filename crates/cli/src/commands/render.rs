@@ -1,4 +1,4 @@
-//! `etendue render`: from scenes to picture files.
+//! `etendue render`: renders scenes to picture files.
 
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -16,53 +16,53 @@ use crate::checkpoint_writer::{CheckpointArguments, CheckpointWriter, End};
 use crate::failure::{Failure, Status};
 use crate::output::{self, Target};
 use crate::outputs::{Outputs, Product};
-use crate::progress::{ProgressDisplay, Wanted};
+use crate::progress::{ProgressDisplay, ProgressMode};
 use crate::signals::Signals;
 use crate::{diagnostics, memory, parsers, replay, report, resume, terminal, text};
 
-/// What is rendered, how, and to where.
+/// The arguments of `etendue render`.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Scene files
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// Write here: exr, png, jpg, hdr, pfm, bmp or tiff by extension, part for the sums themselves,
-    /// or a folder; several times for several files [default: the scene's name with .exr and .png]
+    /// Output file: exr, png, jpg, hdr, pfm, bmp or tiff by extension, part for the samples' sums, or
+    /// a folder. Repeat for several files [default: the scene's name with .exr and .png]
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Vec<PathBuf>,
-    /// Samples per pixel, instead of the scene's number
+    /// Samples per pixel; overrides the scene's value
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
-    /// Stop after this time: 90s, 10m, 1h30m. Without --spp, as many samples as fit
+    /// Stop after this time: 90s, 10m, 1h30m. Without --spp, take as many samples as fit
     #[arg(long, value_name = "TIME", value_parser = parsers::time)]
     time: Option<Duration>,
-    /// Take these samples of each pixel alone, from index A to B - 1 or the I-th of N parts, and
-    /// write a .part for `etendue merge` [default name: the scene's with .A-B.part or .I-of-N.part]
+    /// Render only some samples of each pixel, from index A to B - 1 or part I of N, and write a .part
+    /// file for `etendue merge` [default name: the scene's with .A-B.part or .I-of-N.part]
     #[arg(long, value_name = "A..B|I/N", value_parser = parsers::samples)]
     samples: Option<SampleChoice>,
-    /// Choose other random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
-    /// The part of the film to render, in pixels
+    /// Region of the film to render, in pixels
     #[arg(long, value_name = "X,Y,W,H", value_parser = parsers::crop)]
     crop: Option<Region>,
-    /// Which of the scene's sensors: a number from 0, or an id
+    /// Sensor to render: an index from 0, or an id
     #[arg(short = 's', long, value_name = "SENSOR", default_value = "0")]
     sensor: String,
-    /// Add the variance of every pixel's mean, as layers of the EXR file
+    /// Add the variance of each pixel's mean as layers of the EXR file
     #[arg(long)]
     variance: bool,
-    /// Take one sample, print what it says, and write no picture
+    /// Render one sample, print its values, and write no picture
     #[arg(long, value_name = "X,Y,INDEX", value_parser = parsers::sample_id)]
     replay: Option<SampleId>,
-    /// Pass over scenes whose files are there and finished
+    /// Skip scenes whose output files exist and are finished
     #[arg(long)]
     skip_existing: bool,
-    /// Write a line of JSON a second on standard output, for other programs
+    /// Print one line of JSON per second on standard output, for other programs
     #[arg(long)]
     json_progress: bool,
     #[command(flatten)]
-    keeping: CheckpointArguments,
+    checkpoints: CheckpointArguments,
     #[command(flatten)]
     scene: SceneArguments,
 }
@@ -70,15 +70,15 @@ pub(crate) struct Arguments {
 /// Renders every scene in turn.
 pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let signals = Signals::install()
-        .map_err(|error| Failure::failed(format!("cannot listen to signals: {error}")))?;
+        .map_err(|error| Failure::failed(format!("cannot install signal handlers: {error}")))?;
     let outputs = outputs(arguments)?;
-    let preview = arguments.keeping.preview()?;
+    let preview = arguments.checkpoints.preview()?;
     let workers = arguments.scene.workers()?;
     let host = Host { arguments, workers: &workers, signals: &signals, preview: preview.as_ref() };
-    let mut worst = Status::Fine;
+    let mut worst = Status::Success;
     for (scene, outputs) in arguments.scenes.iter().zip(&outputs) {
         if arguments.skip_existing && outputs.exist() {
-            host.say(&format!("{}: there already", outputs.names()));
+            host.say(&format!("{}: skipped, already finished", outputs.names()));
             continue;
         }
         worst = worst.max(host.render(scene, outputs)?);
@@ -89,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Ok(worst)
 }
 
-/// The files of every scene, all of them checked.
+/// The output files of every scene, all checked to be writable.
 fn outputs(arguments: &Arguments) -> Result<Vec<Outputs>, Failure> {
     if arguments.replay.is_some() {
         return Ok(vec![Outputs::default(); arguments.scenes.len()]);
@@ -105,7 +105,7 @@ fn outputs(arguments: &Arguments) -> Result<Vec<Outputs>, Failure> {
     };
     let Some(folder) = folder else {
         if arguments.scenes.len() > 1 {
-            return Err(Failure::bad_input("several scenes need a folder after --output"));
+            return Err(Failure::bad_input("several scenes need a folder as --output"));
         }
         return Ok(vec![Outputs::new(&arguments.output, product)?]);
     };
@@ -122,7 +122,7 @@ fn outputs(arguments: &Arguments) -> Result<Vec<Outputs>, Failure> {
     Ok(all)
 }
 
-/// What every scene of a run is rendered with.
+/// What all scenes of a run share.
 struct Host<'a> {
     arguments: &'a Arguments,
     workers: &'a Workers,
@@ -136,7 +136,7 @@ impl Host<'_> {
         self.signals.leave_at_once();
         let checkpoint = outputs.checkpoint();
         let header = match &checkpoint {
-            Some(checkpoint) => resume::find(checkpoint, arguments.keeping.resume)?,
+            Some(checkpoint) => resume::find(checkpoint, arguments.checkpoints.resume)?,
             None => None,
         };
         let loaded = arguments.scene.load(path, self.workers)?;
@@ -149,7 +149,7 @@ impl Host<'_> {
         let job = job.map_err(|error| failure(path, error))?;
         if let Some(id) = arguments.replay {
             replay::show(&job, id)?;
-            return Ok(Status::Fine);
+            return Ok(Status::Success);
         }
         if !arguments.scene.quiet {
             report::memory(&loaded_scene.scene, &job);
@@ -159,21 +159,21 @@ impl Host<'_> {
                 let film = resume::read(checkpoint, header, &job)?;
                 let held = text::counted(film.samples_per_pixel().least as usize, "sample");
                 let name = checkpoint.path().display();
-                self.say(&format!("going on with {name}: {held} per pixel"));
+                self.say(&format!("resuming from {name}: {held} per pixel"));
                 film
             }
             _ => job.new_film(self.workers).map_err(|error| failure(path, error))?,
         };
-        let kept = checkpoint.filter(|_| !arguments.keeping.no_checkpoint);
-        if let Some(checkpoint) = &kept {
+        let checkpoint = checkpoint.filter(|_| !arguments.checkpoints.no_checkpoint);
+        if let Some(checkpoint) = &checkpoint {
             checkpoint.remove_abandoned();
         }
         let seconds_before = header.map_or(0.0, |header| header.record.seconds);
-        let run = Run { job: &job, film: &film, outputs, checkpoint: kept, seconds_before };
+        let run = Run { job: &job, film: &film, outputs, checkpoint, seconds_before };
         self.render_into_film(&run, path, &loaded.times)
     }
 
-    /// Renders, keeps what is done meanwhile, and writes what it makes.
+    /// Renders, writes checkpoints meanwhile, and writes the outputs.
     fn render_into_film(
         &self,
         run: &Run<'_>,
@@ -181,18 +181,18 @@ impl Host<'_> {
         load_times: &LoadTimes,
     ) -> Result<Status, Failure> {
         let arguments = self.arguments;
-        let wanted = match (arguments.json_progress, arguments.scene.quiet) {
-            (true, _) => Wanted::Json,
-            (false, true) => Wanted::Nothing,
-            (false, false) => Wanted::Default,
+        let mode = match (arguments.json_progress, arguments.scene.quiet) {
+            (true, _) => ProgressMode::Json,
+            (false, true) => ProgressMode::Silent,
+            (false, false) => ProgressMode::Default,
         };
-        let display = ProgressDisplay::new(wanted);
+        let display = ProgressDisplay::new(mode);
         let writer = CheckpointWriter {
             job: run.job,
             film: run.film,
             checkpoint: run.checkpoint.as_ref(),
             preview: self.preview,
-            arguments: &arguments.keeping,
+            arguments: &arguments.checkpoints,
             display: &display,
             seconds_before: run.seconds_before,
             started: Instant::now(),
@@ -227,12 +227,12 @@ impl Host<'_> {
             "files": run.outputs.paths().map(|path| path.display().to_string()).collect::<Vec<_>>(),
             "samples_per_pixel": [least, most],
             "stopped_early": rendering.statistics.cancelled,
-            "written": status == Status::Fine,
+            "written": status == Status::Success,
         }));
         Ok(status)
     }
 
-    /// Writes every file. Until all are safely there, the samples are kept.
+    /// Writes the outputs, and removes the checkpoint once all of them are safely written.
     fn write(
         &self,
         run: &Run<'_>,
@@ -241,30 +241,30 @@ impl Host<'_> {
     ) -> (Status, Rendering) {
         let seconds = writer.seconds();
         let stopped = statistics.cancelled;
-        // A stopped render may have little time left, and its samples are worth most.
+        // After a signal there may be little time left, so the checkpoint comes first.
         let mut is_kept = stopped && writer.write_checkpoint();
         let rendering = run.job.develop(run.film, statistics, seconds);
         let mut status = self.workers.run(|| run.outputs.write_pictures(&rendering));
         if !stopped {
             status = status.max(run.outputs.write_parts(run.film, &run.job.record(seconds)));
-            let is_safe = status == Status::Fine;
-            if !is_safe || self.arguments.keeping.keep_checkpoint {
+            let is_safe = status == Status::Success;
+            if !is_safe || self.arguments.checkpoints.keep_checkpoint {
                 is_kept = writer.write_checkpoint();
             } else if let Some(checkpoint) = &run.checkpoint
                 && let Err(error) = checkpoint.remove()
             {
                 let name = checkpoint.path().display();
-                terminal::warning(&format!("{name} could not be removed: {error}"));
+                terminal::warning(&format!("cannot remove the obsolete {name}: {error}"));
             }
         }
         if let Some(checkpoint) = run.checkpoint.as_ref().filter(|_| is_kept) {
             let name = checkpoint.path().display();
-            self.say(&format!("{name} keeps the samples: --resume goes on with them"));
+            self.say(&format!("{name} holds the samples: --resume continues from them"));
         }
         (status, rendering)
     }
 
-    /// A line of news, unless nobody wants to hear it.
+    /// Prints a message unless `--quiet` is given.
     fn say(&self, line: &str) {
         if !self.arguments.scene.quiet {
             terminal::message_line(line);
@@ -272,18 +272,18 @@ impl Host<'_> {
     }
 }
 
-/// One scene that is rendered.
+/// The render of one scene.
 struct Run<'a> {
     job: &'a RenderJob,
     film: &'a FilmSums,
     outputs: &'a Outputs,
-    /// Where the samples are kept, if they are.
+    /// `None` to write no checkpoints.
     checkpoint: Option<SumsFile>,
-    /// Wall time of earlier runs.
+    /// Wall time of the earlier runs, in seconds.
     seconds_before: f64,
 }
 
-/// `planned` is the plan of the run that this one goes on with.
+/// The library's options. `planned` is the number of samples planned by the run to resume.
 fn options(arguments: &Arguments, planned: Option<u32>) -> RenderOptions {
     RenderOptions {
         sensor: SensorChoice::from(arguments.sensor.as_str()),
@@ -299,7 +299,7 @@ fn options(arguments: &Arguments, planned: Option<u32>) -> RenderOptions {
     }
 }
 
-/// An error of the library: all but the want of threads is due to what was asked for.
+/// Converts an error of the library. All but a failure to start threads are due to the input.
 fn failure(scene: &Path, error: Error) -> Failure {
     let message = format!("{}: {error}", scene.display());
     match error {

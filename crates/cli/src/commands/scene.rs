@@ -1,4 +1,4 @@
-//! The arguments of every command that loads a scene.
+//! The arguments shared by all commands that load scenes.
 
 use std::path::{Path, PathBuf};
 
@@ -20,55 +20,55 @@ pub(crate) struct SceneArguments {
     /// Set $NAME in the scene
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parsers::define)]
     define: Vec<(String, String)>,
-    /// Look for the scene's files in this folder, too
+    /// Also look for the scene's files in this folder
     #[arg(long, value_name = "FOLDER")]
     search_path: Vec<PathBuf>,
     /// Width and height of the film, in pixels
     #[arg(long, value_name = "WxH", value_parser = parsers::size)]
     size: Option<[u32; 2]>,
-    /// Another reconstruction filter than the film's
+    /// Reconstruction filter; overrides the film's
     #[arg(long, value_name = "NAME", value_parser = filter_names())]
     filter: Option<String>,
-    /// Another integrator than the scene's
+    /// Integrator; overrides the scene's
     #[arg(long, value_name = "NAME", value_parser = integrator_names())]
     integrator: Option<String>,
-    /// Find light by chance alone, for comparison
+    /// Turn off emitter sampling, for comparison
     #[arg(long)]
     no_emitter_sampling: bool,
     /// Treat unknown parameters as errors
     #[arg(long)]
     strict: bool,
-    /// Treat missing files as warnings and go on without them
+    /// Treat missing files as warnings, and load the scene without them
     #[arg(long)]
     skip_missing: bool,
-    /// Threads; one per processor by default. The picture does not depend on it
+    /// Number of threads; one per processor by default. Does not change the picture
     #[arg(short = 't', long, value_name = "COUNT")]
     pub(crate) threads: Option<std::num::NonZeroUsize>,
-    /// Trace rays with the instructions that every machine has. The picture does not depend on it
+    /// Use only baseline CPU instructions. Does not change the picture
     #[arg(long)]
     portable: bool,
-    /// Say nothing but errors
+    /// Print only errors
     #[arg(short = 'q', long, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
-    /// Say more
+    /// Print more details
     #[arg(short = 'v', long)]
     pub(crate) verbose: bool,
 }
 
-/// The filters there are.
+/// The names of all reconstruction filters.
 fn filter_names() -> PossibleValuesParser {
     let filters =
         registry::plugins().into_iter().filter(|(class, ..)| *class == Class::ReconstructionFilter);
     PossibleValuesParser::new(filters.map(|(_, name, _)| name))
 }
 
-/// The integrators there are.
+/// The names of all integrators.
 fn integrator_names() -> PossibleValuesParser {
     PossibleValuesParser::new(INTEGRATORS.iter().map(|plugin| plugin.name))
 }
 
 impl SceneArguments {
-    /// How much of the diagnostics is shown.
+    /// How many of the diagnostics to show.
     pub(crate) fn detail(&self) -> Detail {
         match (self.quiet, self.verbose) {
             (true, _) => Detail::Errors,
@@ -77,15 +77,16 @@ impl SceneArguments {
         }
     }
 
-    /// Starts the threads that were asked for.
+    /// Starts the requested number of threads.
     pub(crate) fn workers(&self) -> Result<Workers, Failure> {
         Workers::new(self.threads).map_err(Failure::failed)
     }
 
-    /// Loads a scene on these threads.
+    /// Loads a scene, using these threads.
     pub(crate) fn load(&self, path: &Path, workers: &Workers) -> Result<Loaded, Failure> {
-        let folder = std::env::current_dir()
-            .map_err(|error| Failure::failed(format!("there is no working directory: {error}")))?;
+        let folder = std::env::current_dir().map_err(|error| {
+            Failure::failed(format!("cannot determine the working directory: {error}"))
+        })?;
         let options = self.options();
         Ok(workers.run(|| load(path, folder, &Files::default(), &options)))
     }

@@ -1,8 +1,8 @@
-//! The scripts for render farms in `contrib`, run by the farms' own programs: each picture must be
-//! that of a single run, bit for bit.
+//! Runs the render farm scripts in `contrib` with the farms' own programs. Each picture must equal that
+//! of a single run, bit for bit.
 //!
-//! They are slow, and ignored unless asked for by `--include-ignored`. Where a farm's programs are
-//! missing, the test is reported as ignored, too.
+//! The tests are slow, so they run only with `--include-ignored`. A test is also reported as ignored if
+//! the farm's programs are not installed.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
 mod openjd;
@@ -45,19 +45,19 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// An empty folder below `target/tmp`, which stays, so that the farm's logs can be read.
+/// An empty folder below `target/tmp`. It is kept, so that the farm's logs can be read.
 fn empty_folder(name: &str) -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    // Parts of an earlier run would not be rendered again.
+    // Otherwise the farm would skip parts of an earlier run.
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
     Ok(folder)
 }
 
-/// What a command prints.
+/// Runs a command and returns its standard output.
 ///
 /// # Errors
-/// Its standard error, or why it cannot be started.
+/// Its standard error, or why it cannot start.
 fn output(command: &mut Command) -> Result<String, String> {
     let output = command.output().map_err(|error| error.to_string())?;
     if !output.status.success() {
@@ -76,6 +76,6 @@ fn compare_with_a_single_run(merged: &Path, options: &[&str]) -> Result<(), Stri
     if read(merged)? == read(&whole)? {
         Ok(())
     } else {
-        Err("the merged picture is not that of a single run".to_owned())
+        Err("the merged picture differs from that of a single run".to_owned())
     }
 }

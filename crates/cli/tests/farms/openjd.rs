@@ -1,11 +1,11 @@
-//! The template for Open Job Description, checked and run by the `openjd` command.
+//! Checks and runs the Open Job Description template with the `openjd` command.
 
 use std::process::{Command, Stdio};
 
 use crate::run::binary;
 use crate::{SCENE, compare_with_a_single_run, empty_folder, output, root};
 
-/// Why the template cannot be run here, if it cannot.
+/// The reason why the template cannot run here, if any.
 pub(crate) fn why_not() -> Option<&'static str> {
     let status = Command::new("openjd").arg("--version").stdout(Stdio::null()).status();
     status.is_err().then_some("openjd-cli is not installed")

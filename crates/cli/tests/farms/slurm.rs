@@ -1,5 +1,5 @@
-//! The scripts of `contrib/slurm` on a real Slurm, which is started for the test (Debian's
-//! `slurm-wlm`, as root).
+//! Runs the scripts of `contrib/slurm` on a real Slurm, which the test starts (Debian's `slurm-wlm`, as
+//! root).
 
 use std::fs::{self, File};
 use std::io::ErrorKind;
@@ -11,18 +11,18 @@ use std::time::{Duration, Instant};
 use crate::run::binary;
 use crate::{SCENE, compare_with_a_single_run, empty_folder, output, root};
 
-/// Samples per pixel: some seconds for every task.
+/// Samples per pixel, enough for each task to take a few seconds.
 const SAMPLES: &str = "192";
 const PARTS: &str = "4";
 const SIZE: &str = "256x256";
 
-/// Nothing here takes this long unless it is stuck.
-const PATIENCE: Duration = Duration::from_secs(300);
+/// A step that takes longer than this is stuck.
+const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// The configuration, in which `@FOLDER@` and `@HOST@` are replaced.
+/// The configuration, with the placeholders `@FOLDER@` and `@HOST@`.
 const CONFIGURATION: &str = include_str!("slurm.conf");
 
-/// Why Slurm cannot be started here, if it cannot.
+/// The reason why Slurm cannot start here, if any.
 pub(crate) fn why_not() -> Option<&'static str> {
     let is_there = |program: &str| {
         let path = std::env::var_os("PATH").unwrap_or_default();
@@ -33,13 +33,13 @@ pub(crate) fn why_not() -> Option<&'static str> {
     if !["munged", "slurmctld", "slurmd", "sbatch"].into_iter().all(is_there) {
         Some("slurm-wlm is not installed")
     } else if !user.is_ok_and(|output| output.stdout.starts_with(b"0\n")) {
-        Some("only root can start a Slurm of its own")
+        Some("only root can start a private Slurm")
     } else {
         None
     }
 }
 
-/// Starts a Slurm, renders a scene as an array, kills and requeues one task, and compares the merged
+/// Starts Slurm, renders a scene as an array, kills and requeues one task, and compares the merged
 /// picture with that of a single run.
 pub(crate) fn run() -> Result<(), String> {
     let folder = empty_folder("slurm")?;
@@ -50,13 +50,13 @@ pub(crate) fn run() -> Result<(), String> {
     cluster.wait_for(&merge)?;
 
     let log = fs::read_to_string(folder.join("merged.pfm.parts/2.log")).map_err(text)?;
-    if !log.contains("going on with") {
-        return Err(format!("the killed task has not resumed from its checkpoint:\n{log}"));
+    if !log.contains("resuming from") {
+        return Err(format!("the killed task did not resume from its checkpoint:\n{log}"));
     }
     compare_with_a_single_run(&picture, &["--spp", SAMPLES, "--size", SIZE])
 }
 
-/// A running Slurm, which stops when the value is dropped.
+/// A running Slurm, which stops on drop.
 struct Cluster {
     configuration: PathBuf,
     daemons: Vec<Child>,
@@ -90,7 +90,7 @@ impl Cluster {
         let mut worker = Command::new("/usr/sbin/slurmd");
         worker.args(["-D", "-N", host.trim(), "-f"]).arg(&cluster.configuration);
         cluster.start_daemon(worker, log("worker.out")?)?;
-        wait_until("a node that is idle", || {
+        wait_until("an idle node", || {
             cluster.output("sinfo", &["-h", "-o", "%t"]).is_ok_and(|state| state.trim() == "idle")
         })?;
         Ok(cluster)
@@ -106,7 +106,7 @@ impl Cluster {
         Ok(())
     }
 
-    /// A command of Slurm.
+    /// A Slurm command with this configuration.
     fn command(&self, program: &str, arguments: &[&str]) -> Command {
         let mut command = Command::new(program);
         command.args(arguments).env("SLURM_CONF", &self.configuration).stdin(Stdio::null());
@@ -117,7 +117,7 @@ impl Cluster {
         output(&mut self.command(program, arguments))
     }
 
-    /// Submits as a user does; returns the id of the merging job.
+    /// Submits the render like a user; returns the id of the merge job.
     fn submit(&self, picture: &Path) -> Result<String, String> {
         let script = root().join("contrib/slurm/submit.sh");
         let mut submit = self.command("sh", &[]);
@@ -127,39 +127,39 @@ impl Cluster {
         Ok(id.trim().to_owned())
     }
 
-    /// Kills the second task once it has written a checkpoint, and lets it run again.
+    /// Kills and requeues the second task once it has written a checkpoint.
     fn kill_one_task(&self, checkpoint: &Path) -> Result<(), String> {
         wait_until("a checkpoint of the second task", || checkpoint.exists())?;
         let jobs = self.output("squeue", &["-h", "-r", "-o", "%F_%K", "-n", "etendue"])?;
         let task = jobs.lines().find(|line| line.ends_with("_2"));
-        let task = task.ok_or("the second task has ended too early")?.to_owned();
-        // By then, more than the first pass over the picture would be lost.
+        let task = task.ok_or("the second task ended too early")?.to_owned();
+        // Let it render more than its first pass, so that a restart from zero would show.
         sleep(Duration::from_secs(2));
         self.output("scontrol", &["requeue", &task])?;
-        wait_until("a task that is queued again", || {
+        wait_until("the requeued task", || {
             let state = self.output("squeue", &["-h", "-r", "-o", "%F_%K %t %r"]);
             state.is_ok_and(|state| state.contains(&format!("{task} PD BeginTime")))
         })?;
-        // Slurm would let two minutes pass.
+        // By default Slurm delays a requeued task by two minutes.
         self.output("scontrol", &["update", &format!("JobId={task}"), "StartTime=now"])?;
         Ok(())
     }
 
-    /// Waits for a job to end, which must complete.
+    /// Waits for a job, which must complete successfully.
     fn wait_for(&self, job: &str) -> Result<(), String> {
         let mut state = String::new();
-        wait_until("the merging job", || {
+        wait_until("the merge job", || {
             let shown = self.output("scontrol", &["show", "job", job]).unwrap_or_default();
             let word = shown.split_whitespace().find_map(|word| word.strip_prefix("JobState="));
             state = word.unwrap_or_default().to_owned();
             !matches!(state.as_str(), "" | "PENDING" | "RUNNING" | "CONFIGURING" | "COMPLETING")
         })?;
-        if state == "COMPLETED" { Ok(()) } else { Err(format!("the merging job is {state}")) }
+        if state == "COMPLETED" { Ok(()) } else { Err(format!("the merge job is {state}")) }
     }
 }
 
 impl Drop for Cluster {
-    /// Asks all daemons to end, the worker first, and kills those that have not after ten seconds.
+    /// Terminates all daemons, the worker first, and kills those still running after ten seconds.
     fn drop(&mut self) {
         for daemon in self.daemons.iter().rev() {
             let _ = Command::new("kill").args(["-TERM", &daemon.id().to_string()]).status();
@@ -179,8 +179,8 @@ impl Drop for Cluster {
 fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) -> Result<(), String> {
     let started = Instant::now();
     while !is_so() {
-        if started.elapsed() > PATIENCE {
-            return Err(format!("waited in vain for {what}"));
+        if started.elapsed() > TIMEOUT {
+            return Err(format!("timed out waiting for {what}"));
         }
         sleep(Duration::from_millis(50));
     }

@@ -1,4 +1,4 @@
-//! One broken scene, and what is the same for all of them.
+//! A broken scene, and the checks that all of them share.
 
 use std::fs;
 use std::path::Path;
@@ -7,30 +7,30 @@ use std::time::{Duration, Instant};
 
 use crate::run::{Outcome, Workplace, binary};
 
-/// More time than this is a hang, even for an unoptimised build on a busy machine.
+/// A longer run counts as a hang, even for an unoptimised build on a busy machine.
 const TIME_LIMIT: Duration = Duration::from_secs(10);
 
-/// The address space that a run is given, in kilobytes: an allocation beyond it aborts the process.
-/// Threads' stacks and the file's own size fit in easily, what headers promise does not.
+/// The address space of a run, in kilobytes. An allocation beyond it aborts the process. The threads'
+/// stacks and the file's actual size fit easily; the sizes that broken headers announce do not.
 const MEMORY_LIMIT: u64 = 1 << 20;
 
-/// A scene that must be refused.
+/// A scene that must be rejected.
 pub(crate) struct Case {
-    /// What to say about it where it fails to fail.
+    /// The name of the case in failure messages.
     pub(crate) name: String,
     /// The bytes of `scene.xml`.
     pub(crate) scene: Vec<u8>,
-    /// Files beside it.
+    /// Files beside the scene.
     pub(crate) files: Vec<(&'static str, Vec<u8>)>,
     /// Arguments after `render scene.xml`.
     pub(crate) arguments: &'static [&'static str],
-    /// What the first error must say.
+    /// Text that the first error must contain.
     pub(crate) message: String,
-    /// The line of the scene file that the first error points at; `None` where it has no place.
+    /// The line of the scene file that the first error points at; `None` if it has no place.
     pub(crate) line: Option<usize>,
 }
 
-/// What may be replaced in the scene that all cases start from.
+/// The replaceable parts of the scene that all cases are based on.
 pub(crate) struct Parts<'a> {
     /// Inside the sensor, on line 2.
     pub(crate) sensor: &'a str,
@@ -65,7 +65,7 @@ impl Parts<'_> {
 }
 
 impl Case {
-    /// A case whose mistake is on line 7.
+    /// A case with its mistake on line 7.
     pub(crate) fn content(content: &str, message: &str) -> Self {
         Self {
             name: content.chars().take(200).collect(),
@@ -77,7 +77,7 @@ impl Case {
         }
     }
 
-    /// A case that names one broken file on line 7.
+    /// A case that refers to a broken file on line 7.
     pub(crate) fn file(
         content: &str,
         (file, bytes): (&'static str, Vec<u8>),
@@ -88,7 +88,7 @@ impl Case {
         Self { name, files: vec![(file, bytes)], ..Self::content(content, message) }
     }
 
-    /// Renders the scene and checks everything that is common to broken scenes.
+    /// Renders the scene and checks what all broken scenes have in common.
     pub(crate) fn check(&self) {
         let workplace = Workplace::new();
         fs::write(workplace.path("scene.xml"), &self.scene).unwrap();
@@ -104,8 +104,8 @@ impl Case {
         assert_eq!(outcome.code, Some(2), "{name}: {text}");
         assert!(!text.contains("panicked"), "{name}: {text}");
         assert_eq!(workplace.files(), before, "{name} left files behind");
-        assert!(text.len() < 100_000, "{name} says too much: {} bytes", text.len());
-        // A message may quote an error of its own, but not at the start of a line.
+        assert!(text.len() < 100_000, "{name} prints too much: {} bytes", text.len());
+        // Messages may contain `error: `, but not at the start of a line.
         let first = format!("\n{text}").split("\nerror: ").nth(1).unwrap_or_default().to_owned();
         assert!(first.contains(&self.message), "{name} must say {}: {text}", self.message);
         if let Some(line) = self.line {
@@ -115,7 +115,7 @@ impl Case {
     }
 }
 
-/// Runs the command; where there is a shell, with a limit on its address space.
+/// Runs the command; on Linux, with a limit on its address space.
 pub(crate) fn run_in_little_memory(folder: &Path, arguments: &[&str]) -> Outcome {
     let binary = binary();
     let mut command = if cfg!(target_os = "linux") {

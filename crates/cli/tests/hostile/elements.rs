@@ -1,4 +1,4 @@
-//! Mistakes that fit in one line of a scene.
+//! Mistakes that fit on one line of a scene.
 
 use crate::case::{Case, Parts};
 
@@ -33,14 +33,14 @@ fn case(heading: &str, message: &str, text: &str) -> Case {
 }
 
 #[test]
-fn every_mistake_is_found_in_its_line() {
+fn every_mistake_is_reported_at_its_line() {
     let cases = cases();
-    assert!(cases.len() >= 90, "the table was read: {} rows", cases.len());
+    assert!(cases.len() >= 90, "the table has too few rows: {}", cases.len());
     cases.iter().for_each(Case::check);
 }
 
 #[test]
-fn unknown_parameters_are_errors_where_that_is_asked_for() {
+fn strict_mode_treats_unknown_parameters_as_errors() {
     let content = r#"<bsdf type="diffuse"><rgb name="reflektance" value="1, 1, 1"/></bsdf>"#;
     let case = Case::content(content, "no parameter `reflektance`");
     Case { arguments: &["--strict"], ..case }.check();

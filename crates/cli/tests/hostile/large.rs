@@ -1,4 +1,4 @@
-//! Input that is small to write and large to take in.
+//! Input that expands to a much larger size.
 
 use crate::case::Case;
 
@@ -7,7 +7,7 @@ fn repeat(count: usize, text: impl Fn(usize) -> String) -> String {
 }
 
 #[test]
-fn what_grows_without_bound_is_cut_off() {
+fn input_that_grows_without_bound_is_rejected() {
     let long = "x".repeat(10_000_000);
     let cases = [
         (format!("<shape type=\"{long}\"/>"), "unknown shape `xxx"),
@@ -40,13 +40,13 @@ fn matrix(count: usize) -> String {
     format!("<transform name=\"to_world\"><matrix value=\"{}\"/></transform>", "1 ".repeat(count))
 }
 
-/// Each name stands for the one before, twice.
+/// Each name expands to the previous one twice.
 fn doubling_defaults(count: usize) -> String {
     let double = |i: usize| format!("<default name=\"v{}\" value=\"$v{i}$v{i}\"/>", i + 1);
     format!("<default name=\"v0\" value=\"a\"/>{}", repeat(count, double))
 }
 
-/// Each material holds the next one, twice.
+/// Each material contains the next one twice.
 fn doubling_references(count: usize) -> String {
     let double = |i: usize| {
         let next = i + 1;
@@ -57,21 +57,21 @@ fn doubling_references(count: usize) -> String {
     format!("{}<bsdf type=\"diffuse\" id=\"b{count}\"/>", repeat(count, double))
 }
 
-/// A film that could be had, but not within the memory that there is.
+/// A valid film that exceeds the available memory.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_film_beyond_the_memory_is_refused_before_it_is_taken() {
+fn a_film_larger_than_memory_is_rejected_before_allocation() {
     let case = Case::content("", "needs");
     Case { line: None, arguments: &["--size", "16384x16384"], ..case }.check();
 }
 
 #[test]
-fn a_thousand_missing_files_in_a_full_folder_are_found_in_time() {
+fn a_thousand_missing_files_are_reported_in_time() {
     let shape =
         |i| format!("<shape type=\"obj\"><string name=\"filename\" value=\"{i:04}.obj\"/></shape>");
     let case = Case::content(&repeat(1000, shape), "no file `0000.obj`");
     let mut files = Vec::new();
-    // Names that resemble the missing ones.
+    // Similar names, which the search for suggestions compares.
     let names: &[&str] = &["0000.ply", "0001.ply", "0002.ply"];
     files.extend(names.iter().map(|name| (*name, Vec::new())));
     Case { files, ..case }.check();

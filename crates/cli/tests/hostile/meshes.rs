@@ -1,4 +1,4 @@
-//! Meshes that are none.
+//! Broken mesh files.
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -10,20 +10,20 @@ fn shape(kind: &str, file: &str, more: &str) -> String {
     format!("<shape type=\"{kind}\"><string name=\"filename\" value=\"{file}\"/>{more}</shape>")
 }
 
-/// Checks files of one kind: the defect, the bytes, and what the error must say.
+/// Checks files of one kind: the defect, the bytes, and text that the error must contain.
 fn check_all<const N: usize>(kind: &str, file: &'static str, rows: [(&str, Vec<u8>, &str); N]) {
     for (defect, bytes, message) in rows {
         Case::file(&shape(kind, file, ""), (file, bytes), defect, message).check();
     }
 }
 
-/// Noise, the same each time.
+/// Deterministic noise.
 fn noise(count: u32) -> Vec<u8> {
     (0..count).map(|index| (index.wrapping_mul(2_654_435_761) >> 13) as u8).collect()
 }
 
 #[test]
-fn broken_obj_files_are_refused() {
+fn broken_obj_files_are_rejected() {
     let with = |faces: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}\n").into_bytes();
     let rows = [
         ("empty", Vec::new(), "is empty"),
@@ -47,18 +47,18 @@ fn broken_obj_files_are_refused() {
     check_all("obj", "m.obj", rows);
 }
 
-/// The header of a triangle.
+/// The header of a PLY file with one triangle.
 const HEADER: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
     property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
 
-/// The corners of a triangle, in little endian.
+/// The vertices of a triangle, in little endian.
 fn corners() -> Vec<u8> {
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     corners.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
 #[test]
-fn broken_ply_files_are_refused() {
+fn broken_ply_files_are_rejected() {
     let changed = |from: &str, to: &str| HEADER.replace(from, to).into_bytes();
     let ascii = |body: &str| format!("{HEADER}{body}").into_bytes();
     let binary = |from: &str, to: &str, bytes: &[u8]| {
@@ -118,7 +118,7 @@ fn announcement(vertices: u64, triangles: u64) -> Vec<u8> {
 }
 
 #[test]
-fn broken_serialized_files_are_refused() {
+fn broken_serialized_files_are_rejected() {
     let indices = |last: u32| [0, 1, last].map(u32::to_le_bytes).concat();
     let triangle = |last| [announcement(3, 1), corners(), indices(last)].concat();
     let bomb = [announcement(300_000_000, 1), vec![0; 50_000_000]].concat();
@@ -133,11 +133,11 @@ fn broken_serialized_files_are_refused() {
         ("no shapes", serialized(4, &triangle(2), 0, 0), "has 0"),
         ("4·10⁹ shapes", serialized(4, &triangle(2), 0, u32::MAX), "list of shapes"),
         ("2⁶⁰ vertices", serialized(4, &announcement(1 << 60, 1), 0, 1), "more than"),
-        ("a bomb of zeros", serialized(4, &bomb, 0, 1), "cannot hold"),
-        ("a bomb of a name", serialized(4, &name, 0, 1), "name"),
+        ("a zip bomb of zeros", serialized(4, &bomb, 0, 1), "cannot hold"),
+        ("a zip bomb in the name", serialized(4, &name, 0, 1), "name"),
         ("an index too many", serialized(4, &triangle(7), 0, 1), "[0, 1, 7]"),
         (
-            "nothing compressed",
+            "data that is not compressed",
             [&whole[..4], &noise(100), &whole[whole.len() - 12..]].concat(),
             "damaged",
         ),

@@ -1,4 +1,4 @@
-//! Samples that are not finite, or negative: counted, told, left out, and to be taken again.
+//! Non-finite and negative samples are counted, reported, left out, and can be replayed.
 
 use std::fs;
 
@@ -7,8 +7,8 @@ use etendue::image::{Picture, decode_picture};
 use crate::case::Parts;
 use crate::run::{Outcome, Workplace};
 
-/// A picture of 2 by 2 texels, one of which is broken, on a light that fills the film: the left
-/// lower quarter of the film.
+/// Renders a light that fills the film and has a texture of 2 by 2 texels. The broken texel covers the
+/// lower left quarter.
 fn render(broken: f32) -> (Workplace, Outcome) {
     let workplace = Workplace::new();
     let texels = [1.0, 2.0, broken, 4.0].map(f32::to_le_bytes);
@@ -31,7 +31,7 @@ fn picture(workplace: &Workplace) -> Picture {
 }
 
 #[test]
-fn they_are_counted_and_left_out() {
+fn invalid_samples_are_counted_and_left_out() {
     let whole = picture(&render(3.0).0);
     for (broken, count) in [
         (f32::NAN, "64 not finite, 0 negative"),
@@ -57,7 +57,7 @@ fn they_are_counted_and_left_out() {
 }
 
 #[test]
-fn a_texture_that_is_not_finite_is_told_when_it_is_read() {
+fn loading_a_texture_with_non_finite_values_gives_a_warning() {
     let (_, outcome) = render(f32::NAN);
     let warning = outcome.stderr.split("warning: ").nth(1).unwrap();
     assert!(warning.contains("light.pfm holds values that are not finite"), "{warning}");
@@ -66,17 +66,14 @@ fn a_texture_that_is_not_finite_is_told_when_it_is_read() {
 
 #[cfg(unix)]
 #[test]
-fn the_command_that_is_told_takes_the_sample_again() {
+fn the_suggested_command_replays_the_sample() {
     let cases =
         [(f32::NAN, "not finite", "radiance  NaN NaN NaN\n"), (-3.0, "negative", "radiance  -2.")];
     for (broken, kind, radiance) in cases {
         let (workplace, outcome) = render(broken);
         let line = outcome.stderr.lines().find_map(|line| line.trim().strip_prefix(kind));
         let command = line.unwrap().trim_start_matches(": ");
-        assert!(
-            command.contains("--replay 0,4,0"),
-            "the first is that of the first pixel: {command}"
-        );
+        assert!(command.contains("--replay 0,4,0"), "the first pixel must come first: {command}");
         let mut shell = std::process::Command::new("sh");
         let output = shell.args(["-c", command]).current_dir(workplace.path("")).output().unwrap();
         let replay = Outcome::from(output);
@@ -86,7 +83,7 @@ fn the_command_that_is_told_takes_the_sample_again() {
 }
 
 #[test]
-fn light_beyond_half_precision_is_not_cut_off() {
+fn light_beyond_half_precision_is_not_clipped() {
     let workplace = Workplace::new();
     let scene = Parts::default().scene();
     let bright =

@@ -1,4 +1,4 @@
-//! Pictures that are none.
+//! Broken picture and spectrum files.
 
 use flate2::write::ZlibEncoder;
 use flate2::{Compression, Crc};
@@ -10,18 +10,19 @@ fn texture(file: &str) -> String {
     format!("<texture type=\"bitmap\"><string name=\"filename\" value=\"{file}\"/></texture>")
 }
 
-fn surroundings(file: &str) -> String {
+fn environment(file: &str) -> String {
     format!("<emitter type=\"envmap\"><string name=\"filename\" value=\"{file}\"/></emitter>")
 }
 
-/// Checks pictures of one format as textures: the defect, the bytes, and what the error must say.
+/// Checks pictures of one format as textures: the defect, the bytes, and text that the error must
+/// contain.
 fn check_all<const N: usize>(file: &'static str, rows: [(&str, Vec<u8>, &str); N]) {
     for (defect, bytes, message) in rows {
         Case::file(&texture(file), (file, bytes), defect, message).check();
     }
 }
 
-/// A PNG file of 8-bit colours whose header need not be true.
+/// A PNG file of 8-bit colours, whose header may lie about its size.
 fn png(width: u32, height: u32, rows: &[u8]) -> Vec<u8> {
     let mut compressed = ZlibEncoder::new(Vec::new(), Compression::fast());
     compressed.write_all(rows).unwrap();
@@ -43,7 +44,7 @@ fn png_chunk(kind: [u8; 4], data: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn broken_png_and_jpeg_files_are_refused() {
+fn broken_png_and_jpeg_files_are_rejected() {
     let whole = png(2, 2, &[0; 14]);
     let bomb = vec![0; 180_001 * 300];
     let rows = [
@@ -54,7 +55,7 @@ fn broken_png_and_jpeg_files_are_refused() {
         ("cut off in the data", whole[..whole.len() - 20].to_vec(), "broken PNG"),
         ("a damaged header", [&whole[..20], &[1; 30]].concat(), "broken PNG"),
         ("no columns", png(0, 5, &[]), "broken PNG"),
-        ("a header that promises more", png(500, 500, &[0; 100]), "broken PNG"),
+        ("a header that announces more", png(500, 500, &[0; 100]), "broken PNG"),
         ("60,000 squared", png(60_000, 60_000, &bomb), "too large"),
         ("2³¹ squared", png(u32::MAX >> 1, u32::MAX >> 1, &[]), "a.png"),
     ];
@@ -71,7 +72,7 @@ fn broken_png_and_jpeg_files_are_refused() {
     check_all("a.jpg", rows);
 }
 
-/// A portable float map of colours whose header need not be true.
+/// A colour PFM file, whose header may lie about its size.
 fn pfm(size: &str, values: &[f32]) -> Vec<u8> {
     let mut file = format!("PF\n{size}\n-1.0\n").into_bytes();
     file.extend(values.iter().flat_map(|value| value.to_le_bytes()));
@@ -79,7 +80,7 @@ fn pfm(size: &str, values: &[f32]) -> Vec<u8> {
 }
 
 #[test]
-fn broken_hdr_pfm_tga_and_bmp_files_are_refused() {
+fn broken_hdr_pfm_tga_and_bmp_files_are_rejected() {
     let rows = [
         ("a header alone", b"#?RADIANCE\n\n-Y 10 +X 10\n".to_vec(), "broken"),
         (
@@ -154,7 +155,7 @@ fn exr([width, height]: [i32; 2], compression: u8, rest: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn broken_exr_files_are_refused() {
+fn broken_exr_files_are_rejected() {
     let zip = 3;
     let rows = [
         ("four bytes", b"v/1\x01".to_vec(), "broken OpenEXR"),
@@ -163,24 +164,24 @@ fn broken_exr_files_are_refused() {
         ("30,000 squared", exr([30_000, 30_000], 0, &[]), "OpenEXR"),
         ("60,000 squared, with a table", exr([60_000, 60_000], 0, &vec![0; 480_000]), "too large"),
         ("2³¹ squared", exr([i32::MAX, i32::MAX], 0, &[]), "OpenEXR"),
-        ("a window turned around", exr([-5, -5], 0, &[0; 100]), "OpenEXR"),
-        ("garbage where ZIP is announced", exr([1, 1], zip, &[7; 40]), "OpenEXR"),
+        ("a window with a negative size", exr([-5, -5], 0, &[0; 100]), "OpenEXR"),
+        ("garbage instead of ZIP data", exr([1, 1], zip, &[7; 40]), "OpenEXR"),
     ];
     check_all("a.exr", rows);
 }
 
 #[test]
-fn surroundings_without_light_or_with_too_much_are_refused() {
+fn environment_maps_without_valid_light_are_rejected() {
     for value in [f32::NAN, f32::INFINITY, -1.0, 0.0] {
         let picture = ("a.pfm", pfm("1 1", &[value; 3]));
         let defect = format!("all {value}");
-        Case::file(&surroundings("a.pfm"), picture, &defect, "finite values of zero or more")
+        Case::file(&environment("a.pfm"), picture, &defect, "finite values of zero or more")
             .check();
     }
 }
 
 #[test]
-fn broken_spectrum_files_are_refused() {
+fn broken_spectrum_files_are_rejected() {
     let content = r#"<bsdf type="diffuse"><spectrum name="reflectance" filename="a.spd"/></bsdf>"#;
     let rows = [
         ("", "is empty"),

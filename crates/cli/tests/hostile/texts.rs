@@ -1,8 +1,8 @@
-//! Files that are no scene, or hardly one.
+//! Malformed scene files.
 
 use crate::case::Case;
 
-/// A whole file, the line of the first error, and what it must say.
+/// A whole file, the line of the first error, and text that it must contain.
 fn case(scene: impl Into<Vec<u8>>, line: Option<usize>, message: &str) -> Case {
     let scene = scene.into();
     let start = &scene[..scene.len().min(80)];
@@ -15,7 +15,7 @@ fn utf_16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
 }
 
 #[test]
-fn what_is_no_scene_is_told_from_one() {
+fn malformed_files_are_rejected() {
     let cases = [
         case("<", Some(1), "name"),
         case("<scene", Some(1), "no element"),

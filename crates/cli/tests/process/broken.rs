@@ -1,4 +1,5 @@
-//! Broken input: a clear error with its place, exit code 2, in seconds and in little memory.
+//! Broken input gives a clear error with its place and exit code 2, within seconds and in little
+//! memory.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -8,7 +9,7 @@ use crate::run::{Outcome, Workplace, binary, test_file};
 /// One scene of the folder `broken`.
 struct Case {
     name: String,
-    /// The line that the first error points at; `None` where it has no place.
+    /// The line that the first error points at; `None` if it has no place.
     line: Option<String>,
     message: String,
 }
@@ -28,7 +29,7 @@ fn cases() -> Vec<Case> {
     rows.map(case).collect()
 }
 
-/// Renders a broken scene and checks all that is common to broken scenes.
+/// Renders a broken scene and checks what all broken scenes have in common.
 fn render_broken(scene: &str, line: Option<&str>, message: &str) -> Outcome {
     let started = Instant::now();
     let outcome = Workplace::new().fail(&["render", scene, "-t", "2"]);
@@ -45,11 +46,11 @@ fn render_broken(scene: &str, line: Option<&str>, message: &str) -> Outcome {
 }
 
 #[test]
-fn every_broken_scene_is_refused_at_the_right_place() {
+fn every_broken_scene_is_rejected_at_the_right_place() {
     let cases = cases();
     assert!(cases.len() >= 60);
     for case in &cases {
-        // Loops of includes end in one of the files of the loop.
+        // The error in a loop of includes may name any file of the loop.
         let (scene, line) = match case.name.as_str() {
             "include_loop_a" | "include_loop_b" => ("include_loop", None),
             name => (name, case.line.as_deref()),
@@ -72,7 +73,7 @@ fn the_table_names_every_broken_scene() {
 }
 
 #[test]
-fn several_errors_come_in_one_run() {
+fn one_run_reports_several_errors() {
     let scene = test_file("broken/many_errors.xml");
     let outcome = Workplace::new().fail(&["render", &scene]);
     for message in ["`spherre`", "`one`", "`gold`", "3 errors, 0 warnings"] {
@@ -80,9 +81,9 @@ fn several_errors_come_in_one_run() {
     }
 }
 
-/// Scenes that are too large to keep: a prefix, what is repeated, and a suffix.
+/// Scenes that are too large to store as files.
 #[test]
-fn large_broken_scenes_are_refused() {
+fn large_broken_scenes_are_rejected() {
     let workplace = Workplace::new();
     let head = "<scene version=\"3.0.0\">\n";
     let nested = ["<bsdf type=\"twosided\">".repeat(200_000), "</bsdf>".repeat(200_000)].concat();
@@ -103,7 +104,7 @@ fn large_broken_scenes_are_refused() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn promises_of_headers_take_no_memory() {
+fn sizes_announced_by_headers_allocate_no_memory() {
     let scenes = [
         "ply_promises_4e9",
         "ply_huge_list",
@@ -129,7 +130,7 @@ fn promises_of_headers_take_no_memory() {
 }
 
 #[test]
-fn devices_and_folders_are_no_scenes() {
+fn devices_and_folders_are_rejected() {
     let workplace = Workplace::new();
     for path in [".", "/dev/zero", "nowhere.xml", ""] {
         if path != "/dev/zero" || cfg!(unix) {

@@ -1,8 +1,8 @@
-//! The `etendue` command as a user runs it: exit codes, messages, files left behind.
+//! Runs the `etendue` command as a user does, and checks exit codes, messages and files.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
 mod broken;
-mod keeping;
+mod checkpoints;
 mod merging;
 mod pictures;
 mod render;

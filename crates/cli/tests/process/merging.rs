@@ -1,10 +1,10 @@
-//! Parts of a picture, and what they are put together to.
+//! `etendue merge`: parts of a picture, and pictures made from them.
 
 use etendue::image::decode_exr_layers;
 
 use crate::run::{Workplace, small_scene};
 
-/// Renders a range of the small scene's samples to `NAME.part`.
+/// Renders a range of the small scene's samples to a part; returns its name.
 fn part(workplace: &Workplace, samples: &str, more: &[&str]) -> String {
     let name = format!("{samples}.part");
     let scene = small_scene();
@@ -14,7 +14,7 @@ fn part(workplace: &Workplace, samples: &str, more: &[&str]) -> String {
 }
 
 #[test]
-fn parts_in_any_order_make_the_picture_of_one_render() {
+fn parts_in_any_order_merge_to_the_picture_of_a_single_render() {
     let workplace = Workplace::new();
     let variance = ["--variance"];
     let parts = [
@@ -36,9 +36,9 @@ fn parts_in_any_order_make_the_picture_of_one_render() {
     }
 }
 
-/// What particles leave falls on any pixel, and belongs to the film as a whole.
+/// Particles contribute to any pixel, so their sums belong to the whole film.
 #[test]
-fn parts_of_a_picture_by_particles_make_it_too() {
+fn parts_of_a_particle_render_merge_to_its_picture() {
     let workplace = Workplace::new();
     let particles = ["--integrator", "ptracer"];
     let parts = ["0..3", "9..20", "3..9"].map(|samples| part(&workplace, samples, &particles));
@@ -48,11 +48,14 @@ fn parts_of_a_picture_by_particles_make_it_too() {
     let whole = ["render", &scene, "-q", "--spp", "20", "-o", "whole.pfm"];
     workplace.succeed(&[&whole[..], &particles].concat());
     assert_eq!(workplace.read("merged.pfm"), workplace.read("whole.pfm"));
-    assert!(workplace.read("whole.pfm")[40..].iter().any(|byte| *byte != 0), "it is not black");
+    assert!(
+        workplace.read("whole.pfm")[40..].iter().any(|byte| *byte != 0),
+        "the picture must not be black"
+    );
 }
 
 #[test]
-fn parts_make_greater_parts() {
+fn parts_merge_to_larger_parts() {
     let workplace = Workplace::new();
     let [a, b, c] = ["0..5", "5..11", "11..20"].map(|samples| part(&workplace, samples, &[]));
     workplace.succeed(&["merge", "-q", &b, &c, "-o", "bc.part"]);
@@ -65,7 +68,7 @@ fn parts_make_greater_parts() {
 }
 
 #[test]
-fn parts_that_do_not_fit_together_are_refused() {
+fn parts_that_do_not_fit_together_are_rejected() {
     let workplace = Workplace::new();
     let [a, b, across, end] =
         ["0..5", "5..11", "4..8", "11..20"].map(|samples| part(&workplace, samples, &[]));
@@ -89,7 +92,7 @@ fn parts_that_do_not_fit_together_are_refused() {
 }
 
 #[test]
-fn a_range_of_samples_makes_no_picture_and_lies_among_those_planned() {
+fn a_range_of_samples_needs_a_part_and_lies_among_those_planned() {
     let workplace = Workplace::new();
     let scene = small_scene();
     let cases: [(&[&str], &str); 5] = [

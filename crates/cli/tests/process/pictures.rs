@@ -43,16 +43,16 @@ fn diff_prints_one_number_for_scripts() {
     };
     assert_eq!(number("mse"), 0.5);
     assert!((number("relmse") - 0.5 / 1.01).abs() < 1e-6);
-    // A display shows nothing beyond one.
+    // A display clips values above one.
     assert_eq!(number("flip"), 0.0);
 }
 
 #[test]
-fn diff_counts_blocks_beyond_the_noise() {
+fn diff_counts_blocks_that_differ_by_more_than_noise() {
     let workplace = Workplace::new();
     write_halves(&workplace, "a.exr", [1.0, 1.1]);
     write_halves(&workplace, "b.exr", [1.0, 1.0]);
-    // Over a block of 64 pixels, the difference of 0.1 is 5.7 or 2.8 standard errors.
+    // For a block of 64 pixels, the difference of 0.1 is 5.7 or 2.8 standard errors.
     for (variance, share) in [(0.01, "50.000 %"), (0.04, "0.000 %")] {
         write_halves(&workplace, "var.exr", [variance, variance]);
         let scaled = "var.exr@1";
@@ -61,7 +61,7 @@ fn diff_counts_blocks_beyond_the_noise() {
         let line = format!("blocks  {share} off by more than 4 standard errors (");
         assert!(outcome.stdout.contains(&line), "{}", outcome.stdout);
     }
-    // The variance of single samples, 25 of which made the mean.
+    // The file holds the variance of single samples; the mean has 25 of them.
     let sample = ["diff", "a.exr", "b.exr", "--variance", "var.exr@25", "--variance", "var.exr@25"];
     let outcome = workplace.succeed(&sample);
     assert!(outcome.stdout.contains("and 2 % (1 of 2)"), "{}", outcome.stdout);
@@ -69,7 +69,7 @@ fn diff_counts_blocks_beyond_the_noise() {
 }
 
 #[test]
-fn renders_with_variances_agree_with_each_other() {
+fn renders_with_different_seeds_agree_within_their_variance() {
     let workplace = Workplace::new();
     for (name, seed) in [("a.exr", "1"), ("b.exr", "2")] {
         let scene = small_scene();
@@ -81,7 +81,7 @@ fn renders_with_variances_agree_with_each_other() {
 }
 
 #[test]
-fn diff_draws_a_map() {
+fn diff_writes_an_error_map() {
     let workplace = Workplace::new();
     write_halves(&workplace, "a.exr", [1.0, 2.0]);
     write_halves(&workplace, "b.exr", [1.0, 1.0]);
@@ -93,7 +93,7 @@ fn diff_draws_a_map() {
 }
 
 #[test]
-fn pictures_that_cannot_be_compared_are_refused() {
+fn pictures_that_cannot_be_compared_are_rejected() {
     let workplace = Workplace::new();
     write_halves(&workplace, "a.exr", [1.0, 2.0]);
     workplace.succeed(&["render", &small_scene(), "-q", "-o", "b.exr"]);
@@ -106,7 +106,7 @@ fn pictures_that_cannot_be_compared_are_refused() {
 }
 
 #[test]
-fn convert_exposes_and_maps() {
+fn convert_applies_exposure_and_tone_mapping() {
     let workplace = Workplace::new();
     write_halves(&workplace, "a.exr", [0.25, 4.0]);
     let convert = |name: &str, arguments: &[&str]| {

@@ -1,4 +1,4 @@
-//! `etendue render`: outputs, options, exactness.
+//! `etendue render`: outputs, options, and identical results for any number of threads.
 
 use std::fs;
 
@@ -15,7 +15,7 @@ fn the_default_outputs_are_exr_and_png_in_the_working_directory() {
     let workplace = Workplace::new();
     let outcome = workplace.succeed(&["render", &small_scene()]);
     assert_eq!(workplace.files(), ["small.exr", "small.png"]);
-    assert_eq!(outcome.stdout, "", "results go to files, news to standard error");
+    assert_eq!(outcome.stdout, "", "results go to files, messages to standard error");
     assert!(outcome.stderr.contains("small.exr, small.png: 40x24, 4 samples per pixel"));
     let picture = exr(&workplace, "small.exr");
     assert_eq!((picture.width, picture.height), (40, 24));
@@ -68,7 +68,7 @@ fn several_scenes_are_rendered_in_one_run() {
 }
 
 #[test]
-fn a_broken_scene_does_not_keep_the_others_from_being_rendered() {
+fn the_other_scenes_are_rendered_despite_a_broken_one() {
     let workplace = Workplace::new();
     let broken = test_file("broken/empty.xml");
     let outcome = workplace.run(&["render", &broken, &small_scene(), "-q"]);
@@ -77,7 +77,7 @@ fn a_broken_scene_does_not_keep_the_others_from_being_rendered() {
 }
 
 #[test]
-fn any_number_of_threads_gives_the_same_bits() {
+fn the_picture_does_not_depend_on_the_number_of_threads() {
     let workplace = Workplace::new();
     let render = |threads: &str| {
         let arguments = ["render", &small_scene(), "-q", "-t", threads, "--variance"];
@@ -91,7 +91,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
-fn any_instructions_give_the_same_bits() {
+fn the_picture_does_not_depend_on_the_cpu_instructions() {
     let workplace = Workplace::new();
     let scenes = ["cornell-box", "glass-and-metal", "soft-shadows", "textures", "cups"];
     for name in scenes {
@@ -107,7 +107,7 @@ fn any_instructions_give_the_same_bits() {
 }
 
 #[test]
-fn seeds_choose_other_noise() {
+fn another_seed_gives_other_noise() {
     let workplace = Workplace::new();
     let render = |seed: &str| {
         workplace.succeed(&["render", &small_scene(), "-q", "--seed", seed, "-o", "a.pfm"]);
@@ -119,7 +119,7 @@ fn seeds_choose_other_noise() {
 }
 
 #[test]
-fn the_header_tells_how_the_picture_came_to_be() {
+fn the_header_describes_the_render() {
     let workplace = Workplace::new();
     let arguments =
         ["render", &small_scene(), "-q", "--spp", "3", "--seed", "18446744073709551615"];
@@ -137,13 +137,13 @@ fn the_header_tells_how_the_picture_came_to_be() {
     let Some(MetadataValue::Matrix4(matrix)) = picture.metadata("worldToCamera") else {
         panic!("no camera matrix");
     };
-    // The origin of the world lies √26 in front of the camera: the last row is the translation.
+    // The last row is the translation: the origin of the world lies √26 in front of the camera.
     assert!((matrix[14] - 26_f32.sqrt()).abs() < 1e-4, "{matrix:?}");
     assert!(picture.metadata("chromaticities").is_some());
 }
 
 #[test]
-fn the_scene_hash_follows_the_scene() {
+fn the_scene_hash_depends_only_on_the_content() {
     let workplace = Workplace::new();
     let hash = |arguments: &[&str]| {
         workplace.succeed(&[&["render", "-q", "--spp", "1", "-o", "a.exr"], arguments].concat());
@@ -159,7 +159,7 @@ fn the_scene_hash_follows_the_scene() {
 }
 
 #[test]
-fn options_change_what_they_name() {
+fn options_take_effect() {
     let workplace = Workplace::new();
     let render = |arguments: &[&str]| {
         let scene = small_scene();
@@ -193,7 +193,7 @@ fn options_change_what_they_name() {
 }
 
 #[test]
-fn wrong_arguments_are_refused_before_the_first_ray() {
+fn invalid_arguments_are_rejected_before_rendering() {
     let workplace = Workplace::new();
     let scene = small_scene();
     let cases: [(&[&str], &str); 17] = [
@@ -225,7 +225,7 @@ fn wrong_arguments_are_refused_before_the_first_ray() {
 
 #[cfg(unix)]
 #[test]
-fn a_folder_that_cannot_be_written_is_noticed_before_the_first_ray() {
+fn a_read_only_folder_is_rejected_before_rendering() {
     let workplace = Workplace::new();
     let outcome = workplace.fail(&["render", &small_scene(), "-o", "/proc/a.exr"]);
     assert!(outcome.stderr.contains("/proc/a.exr"), "{}", outcome.stderr);
@@ -241,7 +241,7 @@ fn an_old_output_is_replaced() {
 }
 
 #[test]
-fn quiet_says_nothing_and_verbose_says_more() {
+fn quiet_prints_nothing_and_verbose_prints_more() {
     let workplace = Workplace::new();
     let quiet = workplace.succeed(&["render", &small_scene(), "-q"]);
     assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));

@@ -1,4 +1,4 @@
-//! Running the command in a folder of its own, and looking at what it did.
+//! Runs the command in a temporary folder and captures the outcome.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,20 +6,20 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-/// The command under test: the one that Cargo has built, or the one that the environment variable
-/// `ETENDUE` names, so that an optimised or an installed one can be tested.
+/// The command under test: the one that Cargo has built, unless the environment variable `ETENDUE`
+/// names another, such as an optimised or installed one.
 pub(crate) fn binary() -> PathBuf {
     std::env::var_os("ETENDUE").map_or_else(|| env!("CARGO_BIN_EXE_etendue").into(), PathBuf::from)
 }
 
-/// A folder that is the command's working directory and goes away with the value.
+/// The command's working directory, which is removed on drop.
 pub(crate) struct Workplace {
     folder: TempDir,
 }
 
-/// What a run left.
+/// The outcome of a run.
 pub(crate) struct Outcome {
-    /// The exit code; `None` if a signal ended the process.
+    /// The exit code; `None` if a signal killed the process.
     pub(crate) code: Option<i32>,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
@@ -38,7 +38,7 @@ impl Workplace {
         fs::read(self.path(name)).unwrap()
     }
 
-    /// The command in this folder, without a terminal.
+    /// The command in this folder, without a terminal as its input.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(binary());
         command.current_dir(self.folder.path()).args(arguments);
@@ -50,14 +50,14 @@ impl Workplace {
         self.command(arguments).output().unwrap().into()
     }
 
-    /// Runs and expects success.
+    /// Runs the command and expects success.
     pub(crate) fn succeed(&self, arguments: &[&str]) -> Outcome {
         let outcome = self.run(arguments);
         assert_eq!(outcome.code, Some(0), "{arguments:?}: {}", outcome.stderr);
         outcome
     }
 
-    /// Runs and expects exit code 2, an error message, no panic and no files.
+    /// Runs the command and expects exit code 2, an error message, no panic and no new files.
     pub(crate) fn fail(&self, arguments: &[&str]) -> Outcome {
         let before = self.files();
         let outcome = self.run(arguments);
@@ -68,7 +68,7 @@ impl Workplace {
         outcome
     }
 
-    /// The names of the files here, sorted.
+    /// The names of the files in this folder, sorted.
     pub(crate) fn files(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).unwrap();
         let mut names: Vec<String> =
@@ -94,7 +94,7 @@ pub(crate) fn test_file(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// The scene that most tests render: 40x24 pixels, 4 samples.
+/// The scene that most tests render: 40x24 pixels, 4 samples per pixel.
 pub(crate) fn small_scene() -> String {
     test_file("scenes/small.xml")
 }

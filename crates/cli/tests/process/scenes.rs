@@ -1,4 +1,4 @@
-//! `etendue check` and `etendue info`, and how diagnostics are told.
+//! `etendue check` and `etendue info`, and their diagnostics.
 
 use std::process::Stdio;
 
@@ -26,7 +26,7 @@ fn check_reports_everything_and_renders_nothing() {
 }
 
 #[test]
-fn warnings_come_once_each_with_place_and_near_names() {
+fn each_warning_is_shown_once_with_its_place_and_similar_names() {
     let outcome = Workplace::new().succeed(&["check", &warnings_scene(), "--skip-missing"]);
     assert!(
         outcome.stdout.contains("0 errors, 3 warnings"),
@@ -39,11 +39,11 @@ fn warnings_come_once_each_with_place_and_near_names() {
         assert!(outcome.stderr.contains(message), "{message}: {}", outcome.stderr);
         assert_eq!(outcome.stderr.matches(&place).count(), 1, "{place}: {}", outcome.stderr);
     }
-    assert!(outcome.stderr.contains("`fov`"), "the near name: {}", outcome.stderr);
+    assert!(outcome.stderr.contains("`fov`"), "the similar name: {}", outcome.stderr);
 }
 
 #[test]
-fn strict_and_missing_files_are_errors() {
+fn missing_files_and_strict_mode_give_errors() {
     let workplace = Workplace::new();
     let missing = workplace.fail(&["check", &warnings_scene()]);
     assert!(missing.stdout.contains("1 error, 2 warnings"), "{}", missing.stdout);
@@ -60,7 +60,7 @@ fn quiet_keeps_errors_and_drops_warnings() {
 }
 
 #[test]
-fn info_counts_what_is_there() {
+fn info_counts_the_objects_of_a_scene() {
     let outcome = Workplace::new().succeed(&["info", &small_scene()]);
     for row in ["shapes     2\n", "triangles  2\n", "emitters   1 constant", "`side`: 20x20"] {
         assert!(outcome.stdout.contains(row), "{row}: {}", outcome.stdout);
@@ -80,7 +80,7 @@ fn info_without_a_scene_shows_the_program() {
 }
 
 #[test]
-fn info_speaks_json() {
+fn info_prints_json() {
     let workplace = Workplace::new();
     let outcome = workplace.succeed(&["info", &small_scene(), "--json"]);
     let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
@@ -94,9 +94,9 @@ fn info_speaks_json() {
     workplace.fail(&["info", &test_file("broken/empty.xml")]);
 }
 
-/// The grid's 40 × 64 × 40 values and the bounds of its 10 × 16 × 10 blocks.
+/// The volume has 40 × 64 × 40 values, and bounds for 10 × 16 × 10 blocks.
 #[test]
-fn info_counts_media_and_the_bytes_of_their_volumes() {
+fn info_shows_media_and_the_memory_of_their_volumes() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/smoke/scene.xml");
     let outcome = Workplace::new().succeed(&["info", scene, "--json"]);
     let info: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
@@ -105,7 +105,7 @@ fn info_counts_media_and_the_bytes_of_their_volumes() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_trouble() {
+fn a_closed_pipe_is_not_an_error() {
     let workplace = Workplace::new();
     let mut command = workplace.command(&["info", &small_scene()]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -21,7 +21,7 @@ fn send(signal: &str, child: &Child) {
     assert!(status.success());
 }
 
-/// Waits long enough for a scene of two shapes to be loaded and rendering, even on a busy machine.
+/// Waits long enough for a scene of two shapes to load and start rendering, even on a busy machine.
 fn wait_until_rendering() {
     sleep(Duration::from_millis(1500));
 }
@@ -31,7 +31,7 @@ fn finish(child: Child) -> Outcome {
 }
 
 #[test]
-fn a_signal_ends_the_render_and_what_is_done_is_written() {
+fn a_signal_stops_the_render_and_saves_its_results() {
     for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
         let workplace = Workplace::new();
         let child = start(&workplace);
@@ -50,10 +50,9 @@ fn a_signal_ends_the_render_and_what_is_done_is_written() {
 }
 
 #[test]
-fn a_signal_before_there_is_a_picture_leaves_at_once_and_no_file() {
+fn a_signal_during_loading_ends_the_process_at_once_and_leaves_no_file() {
     let workplace = Workplace::new();
-    // Reading the scene from a pipe that never ends is refused, so a scene takes its time here by
-    // being large.
+    // A large scene takes long to load. An endless pipe is no alternative, because it is rejected.
     let sphere = "<shape type=\"sphere\"/>\n".repeat(400_000);
     std::fs::write(
         workplace.path("large.xml"),

@@ -1,5 +1,5 @@
-//! The table of test scenes: `scenes/cases.txt`. The tests read it, and so do `cargo xtask references`
-//! and `cargo xtask bits`.
+//! The table of test scenes, `scenes/cases.txt`. The tests, `cargo xtask references` and `cargo xtask
+//! bits` read it.
 
 use std::path::Path;
 
@@ -8,36 +8,36 @@ use std::path::Path;
 pub(crate) struct Row {
     /// The scene's name, without `.xml`.
     pub(crate) scene: String,
-    /// What it must look like.
+    /// The expected picture.
     pub(crate) expected: Expected,
-    /// The options of each render that must show this.
+    /// The options of each render to compare with it.
     pub(crate) variants: Vec<Vec<String>>,
 }
 
-/// What a scene must look like.
+/// The expected picture of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Expected {
     /// `references/SCENE.exr`.
     Stored {
-        /// The options that made it.
+        /// The options that it was rendered with.
         options: Vec<String>,
-        /// Samples per pixel behind it.
+        /// Its samples per pixel.
         samples: u32,
     },
-    /// The same colour everywhere: a closed form.
+    /// The same colour everywhere, from a closed-form solution.
     Constant([f32; 3]),
 }
 
-/// Reads `cases.txt` in the folder of the scenes.
+/// Reads `cases.txt` in `folder`.
 ///
 /// # Errors
-/// If it cannot be read, or a row is malformed.
+/// If the file cannot be read or a row is malformed.
 pub(crate) fn read(folder: &Path) -> Result<Vec<Row>, String> {
     let path = folder.join("cases.txt");
     let text = std::fs::read_to_string(&path);
     let text = text.map_err(|error| format!("{}: {error}", path.display()))?;
     let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
-    lines.map(|line| parse(line).ok_or_else(|| format!("not a row: {line}"))).collect()
+    lines.map(|line| parse(line).ok_or_else(|| format!("malformed row: {line}"))).collect()
 }
 
 /// `SCENE | REFERENCE | VARIANT; VARIANT; …`
@@ -59,7 +59,7 @@ fn parse_expected(text: &str) -> Option<Expected> {
     Some(Expected::Stored { options: options(made_by)?, samples: samples.parse().ok()? })
 }
 
-/// The options of the command for `INTEGRATOR OPTION…`.
+/// The command-line options for `INTEGRATOR OPTION…`.
 fn options(text: &str) -> Option<Vec<String>> {
     let mut words = text.split_whitespace().map(str::to_owned);
     let integrator = words.next()?;

@@ -1,4 +1,4 @@
-//! A rendered picture beside its reference: what differs, and by how much more than noise explains.
+//! Compares a picture with its reference, and tells noise from errors.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use etendue::image::{ColorImage, EncodeOptions, FileFormat, Picture, decode_exr_
 use crate::trial::output;
 use crate::z_test;
 
-/// A picture and the variance of each of its pixels' means.
+/// A picture, and the variance of the mean for each pixel.
 #[derive(Clone)]
 pub(crate) struct Measured {
     pub(crate) mean: ColorImage,
@@ -20,28 +20,28 @@ pub(crate) struct Measured {
 /// How two pictures differ.
 #[derive(Debug)]
 pub(crate) struct Difference {
-    /// The relative difference of means, in percent, of the channel where it is largest.
+    /// The relative difference of means in percent, for the channel where it is largest.
     pub(crate) mean: f64,
-    /// The difference of means in its standard errors, of the channel where it is largest.
+    /// The difference of means in standard errors, for the channel where it is largest.
     pub(crate) mean_errors: f64,
-    /// The share of blocks of 8×8 pixels, in percent, that are off by both four standard errors and
-    /// 2 %.
+    /// The percentage of blocks of 8×8 pixels that differ by more than four standard errors and by more
+    /// than 2 %.
     pub(crate) blocks: f64,
-    /// The share of pixels' channels, in percent, that pass the z-test.
+    /// The percentage of pixel channels that pass the z-test.
     pub(crate) accepted: f64,
 }
 
-/// What a difference may be.
+/// The limits of a [`Difference`].
 pub(crate) struct Limits {
     pub(crate) mean: f64,
     pub(crate) mean_errors: f64,
     pub(crate) blocks: f64,
-    /// The least, where the others are the most.
+    /// A minimum; the others are maxima.
     pub(crate) accepted: f64,
 }
 
 impl Limits {
-    /// No limits, to be replaced by some.
+    /// No limits; a base for struct updates.
     pub(crate) const NONE: Self = Self {
         mean: f64::INFINITY,
         mean_errors: f64::INFINITY,
@@ -62,29 +62,31 @@ pub(crate) fn read_colors(path: &Path) -> Result<ColorImage, String> {
     read(path)?.to_color_image().map_err(|error| error.to_string())
 }
 
-/// The image whose values are those of another one, mapped.
+/// Applies a function to all values of an image.
 pub(crate) fn map(image: &ColorImage, value: impl Fn(f32) -> f32) -> ColorImage {
     let pixels = image.pixels.iter().map(|pixel| pixel.map(&value)).collect();
     ColorImage { width: image.width, height: image.height, pixels }
 }
 
 impl Measured {
-    /// Reads what `etendue render --variance` has written.
+    /// Reads a picture written by `etendue render --variance`.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let picture = read(path)?;
         let mean = picture.to_color_image().map_err(|error| error.to_string())?;
         let variance = layer(&picture, "variance")
-            .ok_or_else(|| format!("{} has no variances", path.display()))?;
+            .ok_or_else(|| format!("{} has no variance layers", path.display()))?;
         Ok(Self { mean, variance })
     }
 
-    /// The mean of several renders of as many samples, and its variance by their spread.
+    /// The mean of several renders with equal sample counts, and its variance estimated from them.
     ///
     /// # Errors
     /// If the sizes differ, or there are fewer than two.
     pub(crate) fn of_renders(renders: &[ColorImage]) -> Result<Self, String> {
         let count = renders.len() as f32;
-        let [first, _, ..] = renders else { return Err("there are too few renders".to_owned()) };
+        let [first, _, ..] = renders else {
+            return Err("at least two renders are needed".to_owned());
+        };
         let mut mean = map(first, |_| 0.0);
         let mut variance = mean.clone();
         for render in renders {
@@ -107,8 +109,8 @@ impl Measured {
         Ok(Self { mean, variance })
     }
 
-    /// The same with variances that are at least the mean of the 5×5 pixels around: a pixel that has
-    /// not found a rare light yet does not know how much it varies, but its neighbours do.
+    /// Raises each variance to at least the mean of the 5×5 pixels around it. A pixel that no rare bright
+    /// path has hit yet underestimates its variance, but its neighbours show it.
     pub(crate) fn with_smooth_variance(mut self) -> Self {
         let (width, height) = (self.variance.width as usize, self.variance.height as usize);
         let around = |place: usize, end: usize| place.saturating_sub(2)..(place + 3).min(end);
@@ -128,7 +130,7 @@ impl Measured {
         self
     }
 
-    /// Compares with a reference; pixels that never varied are taken to vary by `least_variance`.
+    /// Compares with a reference. `least_variance` is a lower bound for the variance of each pixel.
     pub(crate) fn compare(
         &self,
         reference: &Self,
@@ -173,7 +175,7 @@ fn difference((a, b): (&[f32; 3], &[f32; 3])) -> [f32; 3] {
     std::array::from_fn(|channel| a[channel] - b[channel])
 }
 
-/// Three channels `NAME.R`, `NAME.G` and `NAME.B` as one image.
+/// The channels `NAME.R`, `NAME.G` and `NAME.B` as one image.
 pub(crate) fn layer(picture: &Picture, name: &str) -> Option<ColorImage> {
     let [red, green, blue] = ["R", "G", "B"].map(|end| picture.channel(&format!("{name}.{end}")));
     let colors = red?.data.iter().zip(&green?.data).zip(&blue?.data);
@@ -195,7 +197,7 @@ fn mean_standard_errors(picture: &Measured, reference: &Measured, least_variance
 }
 
 impl Difference {
-    /// Whether all of it is within limits; NaN never is.
+    /// Whether all values are within the limits; NaN never is.
     pub(crate) fn is_within(&self, limits: &Limits) -> bool {
         self.mean <= limits.mean
             && self.mean_errors <= limits.mean_errors
@@ -204,7 +206,8 @@ impl Difference {
     }
 }
 
-/// Compares a picture with its reference; beyond the limits, leaves pictures behind and says where.
+/// Compares a picture with its reference. If a limit is exceeded, writes pictures that show the
+/// difference, and returns an error with their location.
 pub(crate) fn check(
     trial: &str,
     [picture, reference]: [&Measured; 2],

@@ -1,6 +1,6 @@
-//! Our own small scenes beside stored references, which another integrator has made, or beside a
-//! closed form. The table `scenes/cases.txt` says what is rendered how; `scenes/README.md` says how
-//! the references are remade.
+//! Compares our own small scenes with stored references, which another integrator has rendered, or with
+//! closed-form solutions. The table `scenes/cases.txt` lists scenes and options; `scenes/README.md`
+//! says how to render the references again.
 
 use std::path::{Path, PathBuf};
 
@@ -12,27 +12,25 @@ use crate::comparison::{self, Limits, Measured};
 use crate::trial::{output, render};
 use crate::z_test;
 
-/// Samples for a whole picture, by default and in depth.
+/// Samples for a whole picture, in the default and in the slow tests.
 const SAMPLE_BUDGETS: [(&str, usize); 2] = [("scenes", 300_000), ("scenes_in_depth", 3_000_000)];
-/// Renders whose spread tells the variance of particles.
+/// The number of renders from which to estimate the variance of `ptracer`.
 const PARTICLE_RENDERS: usize = 8;
-/// Variances of a single sample are at least this, so that rounding does not count where no sample
-/// differed: the stored references are half floats.
+/// Lower bound for the variance of a single sample, so that rounding to half floats in the stored
+/// references does not count where all samples are equal.
 const LEAST_VARIANCE: f64 = 1e-4;
-/// Mitsuba's criterion, a strict one for blocks, and five standard errors for the whole picture.
+/// Mitsuba's criterion, a strict one for blocks, and five standard errors for the means.
 const LIMITS: Limits =
     Limits { mean: f64::INFINITY, mean_errors: 5.0, blocks: 3.0, accepted: 99.75 };
 
-/// One for each scene and variant, by default and in depth, and those of the test itself.
+/// Fast and slow trials for each scene and variant, and trials of the test harness itself.
 pub(crate) fn trials() -> Vec<Trial> {
     let mut trials = vec![
         Trial::test("criterion::thresholds", || z_test::check_thresholds().map_err(Failed::from)),
         Trial::test("scenes::the_table_is_complete", || {
             the_table_is_complete().map_err(Failed::from)
         }),
-        Trial::test("scenes::another_picture_fails", || {
-            another_picture_fails().map_err(Failed::from)
-        }),
+        Trial::test("scenes::wrong_picture_fails", || wrong_picture_fails().map_err(Failed::from)),
     ];
     for row in cases::read(&folder()).unwrap() {
         for variant in &row.variants {
@@ -48,7 +46,7 @@ pub(crate) fn trials() -> Vec<Trial> {
     trials
 }
 
-/// Options as a part of a name: `path`, `path_-D_sampler=sobol`; `own` where there are none.
+/// Options as part of a name: `path`, `path_-D_sampler=sobol`; `own` if there are none.
 fn short(variant: &[String]) -> String {
     let words: Vec<&str> =
         variant.iter().map(String::as_str).filter(|word| *word != "--integrator").collect();
@@ -59,7 +57,6 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references/scenes")
 }
 
-/// One row of the table, to be rendered.
 impl Row {
     fn check(&self, name: &str, variant: &[String], budget: usize) -> Result<(), String> {
         let size = self.size()?;
@@ -70,8 +67,9 @@ impl Row {
         comparison::check(name, [&picture, &reference], least_variance, &LIMITS).map(|_| ())
     }
 
-    /// Renders the scene. The variances of `ptracer` leave particles out, because a pixel does not know
-    /// which of them belong together: there, the spread of several renders takes their place.
+    /// Renders the scene. For `ptracer`, estimates the variance from several renders, because the
+    /// variances that it writes leave out particles: a pixel does not know which of them belong to the
+    /// same sample.
     fn render(&self, name: &str, variant: &[String], samples: usize) -> Result<Measured, String> {
         let file = output(name, ".exr")?;
         let scene = folder().join(format!("{}.xml", self.scene));
@@ -91,7 +89,7 @@ impl Row {
         Measured::of_renders(&renders.collect::<Result<Vec<_>, _>>()?)
     }
 
-    /// Width and height: those of the stored reference, or 32×32.
+    /// Width and height of the stored reference, or 32×32.
     fn size(&self) -> Result<[u32; 2], String> {
         match self.expected {
             Expected::Stored { .. } => {
@@ -120,7 +118,8 @@ impl Row {
     }
 }
 
-/// A stored reference holds standard errors, whose range suits half floats better than variances.
+/// Reads a stored reference. It holds standard errors, because variances may exceed the range of half
+/// floats.
 fn read_stored(path: &Path) -> Result<Measured, String> {
     let picture = comparison::read(path)?;
     let errors = comparison::layer(&picture, "error")
@@ -129,7 +128,7 @@ fn read_stored(path: &Path) -> Result<Measured, String> {
     Ok(Measured { mean, variance: comparison::map(&errors, |error| error * error) })
 }
 
-/// Every scene and every reference is in the table.
+/// Checks that the table lists every scene and every reference.
 fn the_table_is_complete() -> Result<(), String> {
     let rows = cases::read(&folder())?;
     let named = |is_wanted: &dyn Fn(&Row) -> bool| {
@@ -152,19 +151,19 @@ fn the_table_is_complete() -> Result<(), String> {
     let references = (stored, named(&|row| matches!(row.expected, Expected::Stored { .. })));
     for (found, expected) in [scenes, references] {
         if found != expected {
-            return Err(format!("there are {found:?}, and the table names {expected:?}"));
+            return Err(format!("found {found:?}, but the table lists {expected:?}"));
         }
     }
     Ok(())
 }
 
-/// The comparison rejects a picture of other light: one whose floor is 7 % darker.
-fn another_picture_fails() -> Result<(), String> {
+/// Checks that the comparison rejects a wrong picture, one whose floor is 7 % darker.
+fn wrong_picture_fails() -> Result<(), String> {
     let rows = cases::read(&folder())?;
     let row = rows.iter().find(|row| row.scene == "room").ok_or("there is no scene `room`")?;
     let variant = ["-D", "white=0.70"].map(str::to_owned);
-    match row.check("scenes::another_picture_fails", &variant, SAMPLE_BUDGETS[0].1) {
-        Ok(()) => Err("another picture passes".to_owned()),
+    match row.check("scenes::wrong_picture_fails", &variant, SAMPLE_BUDGETS[0].1) {
+        Ok(()) => Err("a wrong picture passes".to_owned()),
         Err(problem) if problem.contains("mean_errors") => Ok(()),
         Err(problem) => Err(problem),
     }

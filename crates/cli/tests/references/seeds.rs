@@ -1,5 +1,5 @@
-//! The scenes of the renderer that this one succeeds, beside references that Mitsuba made. They lie
-//! outside the repository, in `../shared/seed-scenes`.
+//! Compares the scenes of Etendue's predecessor with references rendered by Mitsuba. The files are not
+//! part of the repository; they are expected in `../shared/seed-scenes`.
 
 use std::path::Path;
 
@@ -13,8 +13,8 @@ struct Seed {
     file: &'static str,
     reference: &'static str,
     size: &'static str,
-    /// Samples per pixel: enough to tell one percent, and for a variance that can be trusted, which
-    /// caustics hide at few samples.
+    /// Samples per pixel: enough to resolve one percent, and to estimate the variance of caustics, which
+    /// few samples miss.
     samples: &'static str,
 }
 
@@ -28,13 +28,13 @@ const SEEDS: [Seed; 7] = [
     Seed { file: "kitchen/scene.xml", reference: "kitchen", size: "320x180", samples: "64" },
 ];
 
-/// Samples per pixel behind the references, whose files hold the variance of a single sample.
+/// Samples per pixel of the references. Their variance files are for single samples.
 const REFERENCE_SAMPLES: f32 = 4096.0;
 
-/// Means within 1 %, and 3 % of the blocks: the references have other filters and tessellations.
+/// Tolerances for the other filters and tessellations of the references.
 const LIMITS: Limits = Limits { mean: 1.0, blocks: 3.0, ..Limits::NONE };
 
-/// One for each scene.
+/// One trial for each scene.
 pub(crate) fn trials() -> Vec<Trial> {
     let folder = shared_folder("seed-scenes");
     let trial = |seed: &'static Seed| {

@@ -1,8 +1,8 @@
-//! Mitsuba's own render tests, by its own criterion and by a stricter one. They lie outside the
-//! repository, in `../shared/mitsuba-suite`.
+//! Mitsuba's own render tests, with its own criterion and a stricter one. The files are not part of the
+//! repository; they are expected in `../shared/mitsuba-suite`.
 //!
 //! A scene is a file `NAME_INTEGRATOR.xml` beside `refs/NAME_ref_rgb.exr` and
-//! `refs/NAME_ref_rgb_var.exr`; its parameters `$spp` and `$integrator` are set from outside.
+//! `refs/NAME_ref_rgb_var.exr`. The test sets its parameters `$spp` and `$integrator`.
 
 use std::path::{Path, PathBuf};
 
@@ -15,15 +15,15 @@ use crate::trial::{external, output, render, shared_folder};
 const SAMPLE_BUDGET: usize = 2_000_000;
 /// Samples per pixel behind the references.
 const REFERENCE_SAMPLES: f32 = 32_000.0;
-/// Variances of a single sample are at least this: where the reference saw none, rounding must not
-/// count.
+/// Lower bound for the variance of a single sample, so that rounding does not count where the
+/// reference has no variance.
 const LEAST_VARIANCE: f64 = 1e-4;
-/// How deep folders are searched for scenes.
+/// How deep to search folders for scenes.
 const MAX_DEPTH: u32 = 6;
 
 /// Mitsuba's criterion.
 const Z_TEST_LIMITS: Limits = Limits { accepted: 99.75, ..Limits::NONE };
-/// A stricter look, which sees what a z-test for each pixel lets through at few samples.
+/// A stricter criterion, which finds errors that a z-test for each pixel misses at few samples.
 const BLOCK_LIMITS: Limits = Limits { blocks: 10.0, ..Limits::NONE };
 
 /// One scene with one integrator.
@@ -35,7 +35,7 @@ struct Case {
     integrator: String,
 }
 
-/// One for each scene and integrator; a single one that says so where the suite is missing.
+/// One trial for each scene and integrator, or a single ignored one if the suite is missing.
 pub(crate) fn trials() -> Vec<Trial> {
     let Some(folder) = shared_folder("mitsuba-suite") else {
         return vec![external("suite::all".to_owned(), None, |_| Ok(()))];
@@ -64,7 +64,7 @@ fn find_cases(folder: &Path, depth: u32, cases: &mut Vec<Case>) {
         if path.is_dir() && depth > 0 {
             find_cases(&path, depth - 1, cases);
         } else if let Some(case) = Case::new(&path) {
-            // As in Mitsuba's tests: both tracers of media must render the same.
+            // As in Mitsuba's tests, both volumetric integrators must give the same picture.
             let other = Case { integrator: "volpathmis".to_owned(), ..case.clone() };
             let has_media = case.integrator == "volpath";
             cases.push(case);
@@ -74,7 +74,7 @@ fn find_cases(folder: &Path, depth: u32, cases: &mut Vec<Case>) {
 }
 
 impl Case {
-    /// The case of a scene file; `None` for other files, and without references.
+    /// The case of a scene file; `None` for other files and for scenes without references.
     fn new(scene: &Path) -> Option<Self> {
         if scene.extension()? != "xml" {
             return None;
@@ -107,14 +107,14 @@ impl Case {
         let file = output(name, ".exr")?;
         render(&self.scene, &options, &file)?;
         let picture = Measured::read(&file)?;
-        // Mitsuba takes its reference to be exact, and the picture to have its variance.
+        // Mitsuba treats the reference as exact, and uses its variance for the picture.
         let scaled = |count: f32| comparison::map(&variance, move |value| value / count);
         let known = Measured { mean: picture.mean.clone(), variance: scaled(samples as f32) };
         let exact = Measured { mean: reference.clone(), variance: scaled(f32::INFINITY) };
         let least_variance = LEAST_VARIANCE / samples as f64;
         let Difference { accepted, .. } =
             comparison::check(name, [&known, &exact], least_variance, &Z_TEST_LIMITS)?;
-        // The blocks go by the variances of both pictures.
+        // The block test uses the variances of both pictures.
         let reference = Measured { mean: reference, variance: scaled(REFERENCE_SAMPLES) };
         let Difference { blocks, .. } =
             comparison::check(name, [&picture, &reference], least_variance, &BLOCK_LIMITS)?;

@@ -1,4 +1,4 @@
-//! What all trials share: where their files are, how the command is run, and how they are told.
+//! Helpers for all trials: locating files, running the command, and reporting missing files.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,7 +7,7 @@ use libtest_mimic::{Completion, Failed, Trial};
 
 use crate::run::binary;
 
-/// A slow trial that needs a folder from outside the repository: ignored where it is missing.
+/// A slow trial that needs a folder outside the repository. It is ignored if the folder is missing.
 pub(crate) fn external(
     name: String,
     folder: Option<PathBuf>,
@@ -15,18 +15,18 @@ pub(crate) fn external(
 ) -> Trial {
     let trial = Trial::ignorable_test(name, move || match folder {
         Some(folder) => run(&folder).map(|()| Completion::Completed).map_err(Failed::from),
-        None => Ok(Completion::ignored_with("its files are not there")),
+        None => Ok(Completion::ignored_with("its files are missing")),
     });
     trial.with_ignored_flag(true)
 }
 
-/// A folder of `../shared`, beside the repository, if it is there.
+/// A folder in `../shared` beside the repository, if it exists.
 pub(crate) fn shared_folder(name: &str) -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared").join(name);
     folder.is_dir().then_some(folder)
 }
 
-/// A place for a file that a trial writes: below `target/tmp/references`, named after the trial.
+/// The path of a file that a trial writes: in `target/tmp/references`, named after the trial.
 pub(crate) fn output(trial: &str, suffix: &str) -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("references");
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;

@@ -1,16 +1,16 @@
-//! The criterion of Mitsuba's render tests: a z-test for each pixel and channel, Šidák's correction,
-//! and a share of exceptions.
+//! The criterion of Mitsuba's render tests: a z-test for each pixel and channel with Šidák's
+//! correction, and a share of pixels that may fail.
 //!
-//! A pixel's channel passes unless the variances of both means make their difference too unlikely.
-//! The test happens in CIE XYZ. As in Mitsuba's reference files, a variance in XYZ is the linear map
-//! of the three variances in RGB, which is about the largest that any correlation of them allows.
+//! A channel of a pixel fails if the difference of the means is too unlikely given their variances.
+//! The test uses CIE XYZ. As in Mitsuba's reference files, the RGB variances are converted to XYZ with
+//! the colour matrix itself; the result is close to the upper bound over all correlations.
 
 use etendue::image::ColorImage;
 use etendue_testkit::special::normal_tail;
 
 use crate::comparison::Measured;
 
-/// The probability of one false alarm in a whole picture.
+/// The probability of a false alarm in a whole picture.
 const SIGNIFICANCE: f64 = 0.01;
 
 /// Linear Rec. 709 to XYZ (ITU-R BT.709, D65).
@@ -20,16 +20,16 @@ const XYZ_FROM_RGB: [[f64; 3]; 3] = [
     [0.019_334, 0.119_193, 0.950_227],
 ];
 
-/// What the test found.
+/// The result of the test.
 pub(crate) struct Outcome {
-    /// The share of pixels' channels that pass, from 0 to 1.
+    /// The share of pixel channels that pass, from 0 to 1.
     pub(crate) accepted: f64,
-    /// The p-value of every pixel for X, Y and Z.
+    /// The p-values of each pixel for X, Y and Z.
     pub(crate) p_values: ColorImage,
 }
 
-/// Tests whether both pictures are estimates of the same one. A variance below `least_variance` is
-/// taken to be that, because rounding must not count where no sample differed.
+/// Tests whether both pictures are estimates of the same one. `least_variance` is a lower bound for
+/// variances, so that rounding does not count where all samples are equal.
 ///
 /// # Errors
 /// If the sizes differ.
@@ -55,7 +55,7 @@ pub(crate) fn test(
         })
     });
     let pixels: Vec<[f32; 3]> = p_values.collect();
-    // Šidák: at this level for each of n tests, a false alarm is as likely as wanted.
+    // Šidák's correction: n tests at this level have the wanted probability of a false alarm.
     let pixel_count = pixels.len() as f64;
     let level = 1.0 - (1.0 - SIGNIFICANCE).powf(1.0 / pixel_count);
     let count = pixels.as_flattened().iter().filter(|p| f64::from(**p) > level).count();
@@ -66,7 +66,7 @@ pub(crate) fn test(
     })
 }
 
-/// The probability of a deviation of at least so many standard errors; zero for NaN.
+/// The probability of a deviation of at least `z` standard errors; zero for NaN and infinity.
 fn p_value(z: f64) -> f64 {
     if z.is_finite() { 2.0 * normal_tail(z) } else { 0.0 }
 }
@@ -76,11 +76,11 @@ fn to_xyz(rgb: &[f32; 3]) -> [f64; 3] {
     XYZ_FROM_RGB.map(|row| row[0] * red + row[1] * green + row[2] * blue)
 }
 
-/// The thresholds are those of Šidák, and NaN or infinity fail.
+/// Checks that the thresholds match Šidák's correction, and that NaN and infinity fail.
 ///
-/// Of 100 pixels, each is tested at a level of 1.005e-4, which is 3.8893 standard deviations. Grey of
-/// 1 has Y = 1; a grey difference d is 0.950 d in X and 1.089 d in Z, with standard errors of 0.0975
-/// and 0.1043: 0.9749 and 1.0435 times as many as in Y.
+/// With 100 pixels, the level of each test is 1.005e-4, which is 3.8893 standard deviations. A grey
+/// difference d is 0.950 d in X, d in Y and 1.089 d in Z. The standard errors are 0.0975, 0.1 and
+/// 0.1043, so the z-values in X and Z are 0.9749 and 1.0435 times that in Y.
 pub(crate) fn check_thresholds() -> Result<(), String> {
     let constant = |value: f32| ColorImage { width: 10, height: 10, pixels: vec![[value; 3]; 100] };
     let reference = Measured { mean: constant(2.0), variance: constant(0.004) };
@@ -99,7 +99,9 @@ pub(crate) fn check_thresholds() -> Result<(), String> {
     for (mean, expected) in cases {
         let found = accepted(mean)?;
         if (found - expected).abs() > 1e-9 {
-            return Err(format!("of a mean of {mean}, {found} is accepted, not {expected}"));
+            return Err(format!(
+                "for a mean of {mean}, the accepted share is {found}, not {expected}"
+            ));
         }
     }
     Ok(())

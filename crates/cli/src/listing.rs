@@ -1,7 +1,7 @@
-//! DiagnosticReport of one kind by the hundred: the first few as a whole, the others in a line each.
+//! Lists many similar diagnostics: the first few in full, the others in one line each.
 //!
-//! A scene whose folder has moved misses every mesh it names. Three hundred excerpts bury what else
-//! is wrong, and the folders that were searched are the same for all.
+//! After a scene's folder has moved, every mesh is missing. Three hundred excerpts would bury all
+//! other problems, and each would repeat the same list of searched folders.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,32 +10,32 @@ use etendue::render_diagnostic;
 
 use crate::text;
 
-/// How many diagnostics of one kind are shown as a whole.
-const WHOLE: usize = 5;
+/// How many diagnostics of one kind are shown in full.
+const FULL_COUNT: usize = 5;
 
-/// How much is shown of the diagnostics beyond the first few of their kind.
+/// How to show diagnostics beyond the first few of their kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Repeats {
-    /// A line each, up to this many of one kind, and how many more there are.
+    /// One line each, up to this many of one kind, then the number of the rest.
     Lines(usize),
-    /// As much as of the first.
-    Whole,
+    /// In full, like the first ones.
+    Full,
 }
 
-/// What diagnostics of one kind have in common: whose fault they are, and what is said but for names
-/// and numbers.
+/// What diagnostics of one kind have in common: severity, fault, and the message without names and
+/// numbers.
 type Kind = (Severity, Fault, String);
 
-/// DiagnosticReport on their way to the terminal.
+/// Formats diagnostics for the terminal.
 pub(crate) struct Listing<'a> {
     sources: &'a Sources,
     repeats: Repeats,
     colored: bool,
     text: String,
     counts: HashMap<Kind, usize>,
-    /// Lists in the advice of diagnostics, each of which is shown once.
+    /// Multi-line help texts that have been shown; each is shown only once.
     lists: HashSet<&'a str>,
-    /// What is shown in a line each, by kind, in the order of the first of each kind.
+    /// Diagnostics to show in one line each, grouped by kind in order of first appearance.
     repeated: Vec<(Kind, Vec<&'a Diagnostic>)>,
 }
 
@@ -52,16 +52,16 @@ impl<'a> Listing<'a> {
         }
     }
 
-    /// Shows a finding, now or at the end.
+    /// Adds a diagnostic, in full or to the short lines at the end.
     pub(crate) fn add(&mut self, diagnostic: &'a Diagnostic) {
-        if self.repeats == Repeats::Whole {
+        if self.repeats == Repeats::Full {
             self.text += &render_diagnostic(diagnostic, self.sources, self.colored);
             return;
         }
         let kind = (diagnostic.severity, diagnostic.fault, skeleton(&diagnostic.message));
         let count = self.counts.entry(kind.clone()).or_default();
         *count += 1;
-        if *count <= WHOLE {
+        if *count <= FULL_COUNT {
             let shown = self.without_known_lists(diagnostic);
             self.text += &render_diagnostic(&shown, self.sources, self.colored);
             return;
@@ -72,7 +72,7 @@ impl<'a> Listing<'a> {
         }
     }
 
-    /// Everything as text.
+    /// Returns the whole text.
     pub(crate) fn finish(mut self) -> String {
         for (_, list) in std::mem::take(&mut self.repeated) {
             self.add_lines(&list);
@@ -80,8 +80,8 @@ impl<'a> Listing<'a> {
         self.text
     }
 
-    /// The finding without lists that have been shown with an earlier one, such as the folders in
-    /// which a missing file was sought.
+    /// The diagnostic without lists that an earlier one has shown, such as the folders searched for
+    /// a missing file.
     fn without_known_lists(&mut self, diagnostic: &'a Diagnostic) -> Diagnostic {
         let lists = &mut self.lists;
         let mut shown = diagnostic.clone();
@@ -100,10 +100,11 @@ impl<'a> Listing<'a> {
             Severity::Warning => "warning",
             Severity::Note => "note",
         };
-        self.text += &format!("{} more like these:\n", text::counted(list.len(), severity));
+        let count = text::counted(list.len(), &format!("more {severity}"));
+        self.text += &format!("{count} like these:\n");
         for diagnostic in list.iter().take(limit) {
             let place = diagnostic.span.map(|span| format!("{}: ", self.sources.locate(span)));
-            // A line of its own, without what could command the terminal.
+            // Control characters could break the line or drive the terminal.
             let line: String = diagnostic.message.chars().filter(|c| !c.is_control()).collect();
             self.text += &format!("  {}{line}\n", place.unwrap_or_default());
         }
@@ -114,7 +115,7 @@ impl<'a> Listing<'a> {
     }
 }
 
-/// A message without what it quotes, paths, and words with digits.
+/// A message without quoted text, paths, and words with digits.
 fn skeleton(message: &str) -> String {
     let unquoted: String = message.split('`').step_by(2).collect();
     let is_plain = |word: &&str| !word.contains(|c: char| c.is_ascii_digit() || "/\\".contains(c));
@@ -147,28 +148,28 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_a_kind_are_whole_and_the_others_a_line() {
+    fn the_first_of_a_kind_are_shown_in_full_and_the_others_in_one_line() {
         let (sources, list) = missing(300);
         let text = listing(&sources, &list, Repeats::Lines(20));
-        assert_eq!(text.matches('^').count(), WHOLE * "m000.obj".len());
-        assert_eq!(text.matches("/there").count(), 1, "the folders once");
+        assert_eq!(text.matches('^').count(), FULL_COUNT * "m000.obj".len());
+        assert_eq!(text.matches("/there").count(), 1, "the folders are listed once");
         assert!(
-            text.contains("295 errors more like these:\n  scene.xml:6:1: no file `m005.obj`\n")
+            text.contains("295 more errors like these:\n  scene.xml:6:1: no file `m005.obj`\n")
         );
         assert!(text.ends_with("`m024.obj`\n  and 275 more; --verbose shows all of them\n"));
     }
 
     #[test]
-    fn few_or_all_are_shown_as_a_whole() {
-        let (sources, list) = missing(WHOLE);
+    fn few_diagnostics_and_verbose_lists_are_shown_in_full() {
+        let (sources, list) = missing(FULL_COUNT);
         assert!(!listing(&sources, &list, Repeats::Lines(20)).contains("more"));
         let (sources, list) = missing(300);
-        let text = listing(&sources, &list, Repeats::Whole);
+        let text = listing(&sources, &list, Repeats::Full);
         assert_eq!(text.matches("/there").count(), 300);
     }
 
     #[test]
-    fn what_is_said_makes_the_kind_not_the_names_and_numbers_in_it() {
+    fn names_and_numbers_do_not_affect_the_kind() {
         assert_eq!(
             skeleton("/a/m1.obj: line 4: index 7 is out of range"),
             "line index is out of range"

@@ -1,4 +1,4 @@
-//! Checkpoints: what is killed goes on, and what does not belong is refused and left alone.
+//! Checkpoints: killed renders resume, and checkpoints that do not match are rejected unchanged.
 
 use std::fs;
 use std::process::{Child, Stdio};
@@ -14,7 +14,7 @@ fn arguments<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["render", scene, "-q", "-o", "a.pfm"], more].concat()
 }
 
-/// A finished render whose checkpoint is still there, with 4 samples per pixel.
+/// A finished render that has kept its checkpoint of 4 samples per pixel.
 fn with_checkpoint() -> (Workplace, String) {
     let (workplace, scene) = (Workplace::new(), small_scene());
     workplace.succeed(&arguments(&scene, &["--keep-checkpoint"]));
@@ -22,16 +22,16 @@ fn with_checkpoint() -> (Workplace, String) {
     (workplace, scene)
 }
 
-/// The picture of an undisturbed render.
-fn undisturbed(more: &[&str]) -> Vec<u8> {
+/// The picture of an uninterrupted render.
+fn uninterrupted(more: &[&str]) -> Vec<u8> {
     let workplace = Workplace::new();
     workplace.succeed(&arguments(&small_scene(), more));
     assert_eq!(workplace.files(), ["a.pfm"]);
     workplace.read("a.pfm")
 }
 
-/// Runs, and expects a refusal that says `message` and leaves every file as it was.
-fn refuse(workplace: &Workplace, arguments: &[&str], message: &str) {
+/// Runs the command, which must fail with `message` and leave every file unchanged.
+fn reject(workplace: &Workplace, arguments: &[&str], message: &str) {
     let before = workplace.read(CHECKPOINT);
     let picture = fs::read(workplace.path("a.pfm")).ok();
     let outcome = workplace.fail(arguments);
@@ -42,14 +42,14 @@ fn refuse(workplace: &Workplace, arguments: &[&str], message: &str) {
 
 #[cfg(unix)]
 #[test]
-fn a_render_killed_again_and_again_makes_the_same_picture() {
+fn a_render_killed_several_times_gives_the_same_picture() {
     let more = ["--spp", "1500", "--checkpoint-every", "10ms"];
-    let expected = undisturbed(&["--spp", "1500", "-t", "1"]);
+    let expected = uninterrupted(&["--spp", "1500", "-t", "1"]);
     let (workplace, scene) = (Workplace::new(), small_scene());
     for (milliseconds, threads) in [(150, "1"), (230, "2"), (90, "3"), (310, "1")] {
         let all = arguments(&scene, &[&more[..], &["--resume=auto", "-t", threads]].concat());
         let mut child = workplace.command(&all).stderr(Stdio::null()).spawn().unwrap();
-        // It is killed once there is something to lose, or not at all if it has already ended.
+        // Kill it only after its first checkpoint, when there is something to resume.
         wait_for(&workplace, &mut child);
         sleep(Duration::from_millis(milliseconds));
         child.kill().unwrap();
@@ -60,7 +60,7 @@ fn a_render_killed_again_and_again_makes_the_same_picture() {
     assert_eq!(workplace.files(), ["a.pfm"], "checkpoint and abandoned files are gone");
 }
 
-/// Waits for a checkpoint, or the end of the process.
+/// Waits for a checkpoint or the end of the process.
 fn wait_for(workplace: &Workplace, child: &mut Child) {
     let started = Instant::now();
     while !workplace.path(CHECKPOINT).exists() && child.try_wait().unwrap().is_none() {
@@ -70,28 +70,32 @@ fn wait_for(workplace: &Workplace, child: &mut Child) {
 }
 
 #[test]
-fn a_rerun_without_anybody_to_ask_does_nothing() {
+fn without_a_terminal_a_rerun_must_say_whether_to_resume() {
     let (workplace, scene) = with_checkpoint();
-    refuse(&workplace, &arguments(&scene, &[]), "4 samples per pixel of an earlier run");
-    refuse(&workplace, &arguments(&scene, &["--no-checkpoint"]), "--resume=never");
+    reject(&workplace, &arguments(&scene, &[]), "4 samples per pixel from an earlier run");
+    reject(&workplace, &arguments(&scene, &["--no-checkpoint"]), "--resume=never");
 }
 
 #[test]
-fn more_samples_go_on_where_fewer_ended() {
+fn samples_can_be_added_to_a_finished_render() {
     let (workplace, scene) = with_checkpoint();
     workplace.succeed(&arguments(&scene, &["--resume", "--spp", "9"]));
-    assert_eq!(workplace.read("a.pfm"), undisturbed(&["--spp", "9"]));
+    assert_eq!(workplace.read("a.pfm"), uninterrupted(&["--spp", "9"]));
     assert_eq!(workplace.files(), ["a.pfm"]);
 }
 
 #[test]
-fn fewer_samples_than_there_are_are_refused() {
+fn fewer_samples_than_the_checkpoint_holds_are_rejected() {
     let (workplace, scene) = with_checkpoint();
-    refuse(&workplace, &arguments(&scene, &["--resume", "--spp", "3"]), "more than the 3 asked");
+    reject(
+        &workplace,
+        &arguments(&scene, &["--resume", "--spp", "3"]),
+        "more than the 3 requested",
+    );
 }
 
 #[test]
-fn without_a_checkpoint_resume_needs_one_and_auto_does_not() {
+fn resume_needs_a_checkpoint_and_auto_does_not() {
     let (workplace, scene) = (Workplace::new(), small_scene());
     let outcome = workplace.fail(&arguments(&scene, &["--resume"]));
     assert!(outcome.stderr.contains("no checkpoint a.pfm.checkpoint"), "{}", outcome.stderr);
@@ -100,7 +104,7 @@ fn without_a_checkpoint_resume_needs_one_and_auto_does_not() {
 }
 
 #[test]
-fn never_starts_afresh() {
+fn resume_never_starts_over() {
     let (workplace, scene) = with_checkpoint();
     fs::write(workplace.path(CHECKPOINT), "torn").unwrap();
     workplace.succeed(&arguments(&scene, &["--resume=never"]));
@@ -108,7 +112,7 @@ fn never_starts_afresh() {
 }
 
 #[test]
-fn another_picture_is_refused_with_what_differs() {
+fn a_checkpoint_of_another_picture_is_rejected_with_the_differences() {
     let (workplace, scene) = with_checkpoint();
     let cases: [(&[&str], &str); 8] = [
         (&["--seed", "5"], "seed: 0; now 5"),
@@ -122,16 +126,16 @@ fn another_picture_is_refused_with_what_differs() {
     ];
     for (more, message) in cases {
         for resume in ["--resume", "--resume=auto"] {
-            refuse(&workplace, &arguments(&scene, &[more, &[resume]].concat()), message);
+            reject(&workplace, &arguments(&scene, &[more, &[resume]].concat()), message);
         }
     }
     let text = fs::read_to_string(&scene).unwrap().replace("0, 1, 5", "0, 2, 5");
     fs::write(workplace.path("small.xml"), text).unwrap();
-    refuse(&workplace, &arguments("small.xml", &["--resume"]), "scene and its files");
+    reject(&workplace, &arguments("small.xml", &["--resume"]), "scene and its files");
 }
 
 #[test]
-fn torn_and_foreign_checkpoints_are_refused() {
+fn damaged_and_foreign_checkpoints_are_rejected() {
     let (workplace, scene) = with_checkpoint();
     let whole = workplace.read(CHECKPOINT);
     let mut flipped = whole.clone();
@@ -139,7 +143,7 @@ fn torn_and_foreign_checkpoints_are_refused() {
     let mut newer = whole.clone();
     newer[12] = 2;
     let cases = [
-        (flipped, "cannot go on"),
+        (flipped, "cannot resume"),
         (whole[..whole.len() / 2].to_vec(), "torn"),
         (b"PF\n4 4\n".to_vec(), "no checkpoint"),
         (newer, "version 2"),
@@ -147,14 +151,14 @@ fn torn_and_foreign_checkpoints_are_refused() {
     ];
     for (bytes, message) in cases {
         fs::write(workplace.path(CHECKPOINT), bytes).unwrap();
-        refuse(&workplace, &arguments(&scene, &["--resume"]), message);
+        reject(&workplace, &arguments(&scene, &["--resume"]), message);
     }
 }
 
-/// Runs the command where no file may be longer than so many blocks of 512 bytes, which is how a
-/// disk that is full looks to it.
+/// Runs the command with file sizes limited to this many blocks of 512 bytes, which looks like a
+/// full disk.
 #[cfg(unix)]
-fn run_with_little_room(workplace: &Workplace, blocks: &str, arguments: &[&str]) -> Outcome {
+fn run_on_a_full_disk(workplace: &Workplace, blocks: &str, arguments: &[&str]) -> Outcome {
     let mut command = std::process::Command::new("sh");
     command.current_dir(workplace.path("")).stdin(Stdio::null());
     command.args(["-c", "trap '' XFSZ; ulimit -f \"$0\"; exec \"$@\"", blocks]);
@@ -163,33 +167,33 @@ fn run_with_little_room(workplace: &Workplace, blocks: &str, arguments: &[&str])
 
 #[cfg(unix)]
 #[test]
-fn without_room_for_checkpoints_the_render_goes_on() {
+fn the_render_continues_if_checkpoints_do_not_fit_on_the_disk() {
     let (workplace, scene) = (Workplace::new(), small_scene());
     let more = ["--checkpoint-every", "10ms", "--spp", "300"];
-    let outcome = run_with_little_room(&workplace, "64", &arguments(&scene, &more));
+    let outcome = run_on_a_full_disk(&workplace, "64", &arguments(&scene, &more));
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     assert!(outcome.stderr.contains("cannot write a.pfm.checkpoint"), "{}", outcome.stderr);
     assert_eq!(workplace.files(), ["a.pfm"]);
-    assert_eq!(workplace.read("a.pfm"), undisturbed(&["--spp", "300"]));
+    assert_eq!(workplace.read("a.pfm"), uninterrupted(&["--spp", "300"]));
 }
 
 #[cfg(unix)]
 #[test]
-fn without_room_for_the_picture_the_last_checkpoint_stays() {
+fn the_checkpoint_remains_if_the_picture_does_not_fit_on_the_disk() {
     let (workplace, scene) = with_checkpoint();
     let whole = workplace.read(CHECKPOINT);
     fs::remove_file(workplace.path("a.pfm")).unwrap();
     let more = ["--resume", "--spp", "9"];
-    let outcome = run_with_little_room(&workplace, "8", &arguments(&scene, &more));
+    let outcome = run_on_a_full_disk(&workplace, "8", &arguments(&scene, &more));
     assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
-    assert!(outcome.stderr.contains("the last one stays"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("the previous checkpoint remains"), "{}", outcome.stderr);
     assert_eq!(workplace.read(CHECKPOINT), whole);
     workplace.succeed(&arguments(&scene, &more));
-    assert_eq!(workplace.read("a.pfm"), undisturbed(&["--spp", "9"]));
+    assert_eq!(workplace.read("a.pfm"), uninterrupted(&["--spp", "9"]));
 }
 
 #[test]
-fn existing_pictures_are_passed_over_and_unfinished_ones_are_not() {
+fn finished_pictures_are_skipped_and_unfinished_ones_are_not() {
     let (workplace, scene) = (Workplace::new(), small_scene());
     fs::write(workplace.path("a.pfm"), "mine").unwrap();
     workplace.succeed(&arguments(&scene, &["--skip-existing"]));
@@ -210,7 +214,7 @@ fn a_preview_is_written_while_the_render_runs() {
 }
 
 #[test]
-fn progress_for_other_programs_is_lines_of_json() {
+fn json_progress_prints_lines_of_json() {
     let (workplace, scene) = (Workplace::new(), small_scene());
     let more = ["--json-progress", "--spp", "600", "--checkpoint-every", "20ms"];
     let outcome = workplace.succeed(&arguments(&scene, &more));
