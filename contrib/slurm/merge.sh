@@ -1,7 +1,7 @@
 #!/bin/bash
 #SBATCH --job-name=etendue-merge
 #SBATCH --cpus-per-task=1
-# Puts the parts together. They stay: remove OUTPUT.parts when the picture is as you want it.
+# Merges the parts and keeps them. Remove OUTPUT.parts when you no longer need them.
 set -eu
 
 output=$1

@@ -3,10 +3,10 @@
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --signal=B:TERM@120
-# One task of the array: a part of the samples of every pixel.
+# One task of the array. It renders some of the samples of every pixel.
 #
-# It may be killed, preempted and requeued at any moment: it goes on from its checkpoint. Two
-# minutes before its time is up it keeps what is done and queues itself again.
+# The task may be killed, preempted and requeued at any time; it resumes from its checkpoint. Two
+# minutes before its time limit, it saves its samples and requeues itself.
 set -u
 
 scene=$1 output=$2 samples=$3 parts=$4
@@ -20,12 +20,12 @@ child=$!
 trap 'kill -TERM "$child"' TERM
 wait "$child"
 code=$?
-# A signal ends the waiting, not the render, which writes its checkpoint.
+# A signal interrupts `wait` while the render still writes its checkpoint.
 while kill -0 "$child" 2>/dev/null; do
     wait "$child"
     code=$?
 done
-# Where Slurm itself requeues the task, it has done so already, and says no.
+# If Slurm has already requeued the task itself, this fails.
 if [ "$code" -eq 143 ]; then
     scontrol requeue "${SLURM_ARRAY_JOB_ID}_$part" || true
 fi

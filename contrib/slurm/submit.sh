@@ -1,10 +1,10 @@
 #!/bin/sh
-# Renders a scene as an array of Slurm jobs, and merges what they make.
+# Renders a scene as an array of Slurm jobs and merges their parts.
 #
 #     submit.sh SCENE OUTPUT SAMPLES PARTS [OPTION OF etendue render]...
 #
-# Prints the id of the merging job. Options of sbatch for the array come from the environment
-# variable SBATCH_OPTIONS, such as SBATCH_OPTIONS="--cpus-per-task=16 --time=4:00:00".
+# Prints the id of the merge job. The environment variable SBATCH_OPTIONS holds sbatch options for
+# the array, such as SBATCH_OPTIONS="--cpus-per-task=16 --time=4:00:00".
 set -eu
 
 if [ "$#" -lt 4 ]; then
@@ -16,10 +16,9 @@ shift 4
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$output.parts"
 
-# The scripts are copied by Slurm; their arguments are not split again.
-# shellcheck disable=SC2086 # the options are words
+# shellcheck disable=SC2086 # SBATCH_OPTIONS is split into words
 array=$(sbatch --parsable --array="1-$parts" --output="$output.parts/%a.log" \
     ${SBATCH_OPTIONS:-} "$here/render.sh" "$scene" "$output" "$samples" "$parts" "$@")
-# Parts that cannot be made do not keep the merge waiting for ever.
+# If a part fails, cancel the merge; otherwise it would wait forever.
 exec sbatch --parsable --dependency="afterok:${array%%;*}" --kill-on-invalid-dep=yes \
     --output="$output.parts/merge.log" "$here/merge.sh" "$output"
