@@ -82,7 +82,7 @@ impl Integrator for Path {
 
             // The next direction, unless the path ends here.
             let continuation = step.sample_direction(&path, &surface, &bsdf, &numbers);
-            if !continuation.straight {
+            if !continuation.null {
                 path.alpha.cover();
             }
             if !continuation.exists {

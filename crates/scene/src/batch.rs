@@ -4,7 +4,7 @@ mod closures;
 mod light_batch;
 mod materials;
 
-pub use closures::ClosureLanes;
+pub use closures::ClosureBatch;
 pub(crate) use light_batch::{LightBatch, Places};
 pub(crate) use materials::BatchMaterial;
 pub use materials::{LaneKind, Materials};

@@ -41,7 +41,6 @@ pub mod twosided;
 #[cfg(test)]
 mod tests;
 
-pub use crate::batch::{ClosureLanes, LaneKind};
 pub use crate::lanes::SampleLanes;
 pub use crate::models::placement::Placement;
 pub use crate::scattering::{BsdfSample, Closure, Lobe, Transport};
@@ -129,7 +128,7 @@ pub(crate) trait ClosureMaterial {
 }
 
 /// A material whose closures can be shaded several at once: closures of several hits lie side by side
-/// in columns, which [`ClosureLanes`] computes with.
+/// in columns, which [`ClosureBatch`](crate::ClosureBatch) computes with.
 pub(crate) trait LaneMaterial: ClosureMaterial {
     /// What tells its kinds of closures apart. Within a kind there are no branches on parameters.
     type Variant: Copy + PartialEq;

@@ -11,23 +11,28 @@ mod shapes;
 pub use assets::Assets;
 pub use input::{BuildOptions, Identity, SceneInput};
 
+use crate::bsdf::BSDFS;
 use crate::bsdf::Material;
 use crate::cache::AssetCache;
+use crate::emitter::EMITTERS;
 use crate::emitter::{Emitter, read_sampling_weight};
+use crate::film::FILMS;
 use crate::film::FilmSpec;
 use crate::ids::{MaterialId, MediumId, TextureId};
 use crate::medium::Medium;
 use crate::models::coat::CoatTables;
 use crate::phase::PhaseFunction;
-use crate::registry::{self, find};
+use crate::plugin::find;
 use crate::rfilter::ReconstructionFilter;
 use crate::scene::{Parts, Scene, SensorSetup};
+use crate::sensor::SENSORS;
+use crate::sensor::SHAPE_SENSORS;
 use crate::sensor::Sensor;
 use crate::shape::Geometry;
+use crate::texture::TEXTURES;
 use crate::texture::Texture;
 use crate::volume::Volume;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
-use etendue_math::Transform;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -91,16 +96,6 @@ pub fn gather_scene(
     let tier = options.tier;
     let parts = Parts { materials, textures, media, emitter_weights, hash, tier, ..parts };
     Some(GatheredScene { parts, cache: input.cache.cloned() })
-}
-
-/// A 4×4 transform parameter; `None` after reporting one that has no inverse.
-#[must_use]
-pub(crate) fn read_transform(parameters: &Parameters<'_>, name: &str) -> Option<Transform> {
-    let transform = Transform::from_matrix(&parameters.transform(name));
-    if transform.is_none() {
-        parameters.error(Fault::BadValue, name, "the transform has no inverse, or is not finite");
-    }
-    transform
 }
 
 /// Builds plugins from document nodes. Nodes that several others refer to are built once.
@@ -168,8 +163,7 @@ impl<'a> Builder<'a> {
             return *built;
         }
         let parameters = self.parameters(node);
-        let material =
-            find(registry::BSDFS, &parameters).and_then(|build| build(self, &parameters));
+        let material = find(BSDFS, &parameters).and_then(|build| build(self, &parameters));
         let id = material.map(|material| self.add_material(material));
         if id.is_some() {
             parameters.finish();
@@ -210,8 +204,7 @@ impl<'a> Builder<'a> {
             decoded.texture
         } else {
             let parameters = self.parameters(node);
-            let texture =
-                find(registry::TEXTURES, &parameters).and_then(|build| build(self, &parameters));
+            let texture = find(TEXTURES, &parameters).and_then(|build| build(self, &parameters));
             if texture.is_some() {
                 parameters.finish();
             }
@@ -237,8 +230,7 @@ impl<'a> Builder<'a> {
     fn emitters(&mut self, root: &Parameters<'_>, mut emitters: Vec<Emitter>) -> Vec<Emitter> {
         for child in root.children_of(Class::Emitter) {
             let parameters = self.parameters(child.node);
-            let emitter =
-                find(registry::EMITTERS, &parameters).and_then(|build| build(self, &parameters));
+            let emitter = find(EMITTERS, &parameters).and_then(|build| build(self, &parameters));
             if let Some(emitter) = emitter {
                 self.emitter_weights.push(read_sampling_weight(&parameters));
                 parameters.finish();
@@ -270,10 +262,8 @@ impl<'a> Builder<'a> {
         // Mistakes of the sensor are found even where its film has some.
         let some_film = film.clone().unwrap_or_default();
         let sensor = match shape {
-            Some(shape) => {
-                find(registry::SHAPE_SENSORS, &parameters)?(&parameters, &some_film, shape)?
-            }
-            None => find(registry::SENSORS, &parameters)?(self, &parameters, &some_film)?,
+            Some(shape) => find(SHAPE_SENSORS, &parameters)?(&parameters, &some_film, shape)?,
+            None => find(SENSORS, &parameters)?(self, &parameters, &some_film)?,
         };
         let id = parameters.id().map(str::to_owned);
         parameters.finish();
@@ -285,7 +275,7 @@ impl<'a> Builder<'a> {
         let parameters = self.parameters(node);
         let _ = self.film(&parameters);
         let _ = crate::sampler::build_child(&parameters);
-        let sensor = find(registry::SENSORS, &parameters)?(self, &parameters, film)?;
+        let sensor = find(SENSORS, &parameters)?(self, &parameters, film)?;
         parameters.finish();
         Some(sensor)
     }
@@ -295,7 +285,7 @@ impl<'a> Builder<'a> {
             None => FilmSpec::default(),
             Some(child) => {
                 let parameters = self.parameters(child.node);
-                let build = find(registry::FILMS, &parameters)?;
+                let build = find(FILMS, &parameters)?;
                 let film = build(self, &parameters);
                 parameters.finish();
                 film?

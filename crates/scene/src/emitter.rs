@@ -182,7 +182,7 @@ pub(crate) const SAMPLING_WEIGHT: ParameterManual = parameter(
     "sampling_weight",
     "float",
     "1",
-    "How often the light is sampled, relative to the others; 0 leaves it to chance.",
+    "How often the light is sampled, relative to the others; at 0 only rays that happen to hit it find it.",
 );
 
 /// Reads how often an emitter is sampled, relative to the others.

@@ -8,11 +8,22 @@
 pub mod hdrfilm;
 pub mod ldrfilm;
 
+use crate::builder::Builder;
 use crate::manual::{ParameterManual, parameter};
+use crate::plugin::{Plugin, plugin};
 use crate::rfilter::{self, ReconstructionFilter};
 use etendue_document::{Fault, Parameters};
 use etendue_image::{ExrPrecision, FileFormat, ToneMap};
 use glam::UVec2;
+
+/// Builds a film.
+pub type BuildFilm = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<FilmSpec>;
+
+/// Every film: one line is one plugin. All build a [`FilmSpec`].
+pub static FILMS: &[Plugin<BuildFilm>] = &[
+    plugin("hdrfilm", &hdrfilm::MANUAL, hdrfilm::build),
+    plugin("ldrfilm", &ldrfilm::MANUAL, ldrfilm::build),
+];
 
 /// Pixels along each side of a film. Beyond, positions in single precision get too coarse.
 const MAX_SIDE: i64 = 1 << 17;

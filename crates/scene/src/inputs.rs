@@ -6,4 +6,5 @@ pub(crate) mod field_of_view;
 pub(crate) mod grid_file;
 pub(crate) mod picture_in_memory;
 pub(crate) mod texels;
+pub(crate) mod transform;
 pub(crate) mod uv;

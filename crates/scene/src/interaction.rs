@@ -38,7 +38,7 @@ pub struct SurfaceInteraction {
 }
 
 impl SurfaceInteraction {
-    /// Surface coordinates alone, for textures that are looked up off any surface.
+    /// Surface coordinates alone, for textures that are evaluated without a surface.
     #[must_use]
     pub fn at_uv(uv: Vec2, shading: Frame) -> Self {
         Self {

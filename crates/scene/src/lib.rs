@@ -44,7 +44,7 @@ pub mod volume;
 
 pub use etendue_bvh::{Hit, Tier};
 
-pub use batch::{ClosureLanes, LaneKind, Materials};
+pub use batch::{ClosureBatch, LaneKind, Materials};
 pub use builder::{
     Assets, BuildOptions, Builder, GatheredScene, Identity, SceneInput, build_scene, gather_scene,
 };

@@ -19,12 +19,22 @@ use crate::ids::MediumId;
 use crate::manual::{ParameterManual, parameter};
 use crate::phase::isotropic::Isotropic;
 use crate::phase::{MediumInteraction, PhaseFunction};
+use crate::plugin::{Plugin, plugin};
 use crate::volume::Volume;
 use crate::volume::gridvolume::GridVolume;
 use etendue_document::{Class, Fault, Parameters};
 use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::Vec3;
 use std::sync::Arc;
+
+/// Builds a medium.
+pub type BuildMedium = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Medium>;
+
+/// Every medium: one line is one plugin, whose spread in space is a [`Density`].
+pub static MEDIA: &[Plugin<BuildMedium>] = &[
+    plugin("heterogeneous", &heterogeneous::MANUAL, heterogeneous::build),
+    plugin("homogeneous", &homogeneous::MANUAL, homogeneous::build),
+];
 
 /// A medium of the scene.
 #[derive(Clone, Debug)]
@@ -33,8 +43,8 @@ pub struct Medium {
     pub density: Density,
     /// How it scatters light.
     pub phase: PhaseFunction,
-    /// Whether places of scattering look for emitters. It is of no use behind glass, where none can
-    /// be reached straight.
+    /// Whether points of scattering sample emitters. Behind glass that is of no use, as no emitter can be
+    /// reached in a straight line.
     pub sample_emitters: bool,
 }
 
@@ -86,7 +96,7 @@ const SAMPLE_EMITTERS: ParameterManual = parameter(
     "sample_emitters",
     "boolean",
     "true",
-    "Whether places of scattering look for emitters; behind glass it is of no use.",
+    "Whether points of scattering sample emitters; behind glass that is of no use.",
 );
 const PHASE: ParameterManual =
     parameter("(nested)", "phase", "isotropic", "How the medium scatters light.");

@@ -3,6 +3,8 @@
 
 pub use crate::bsdf::BSDFS;
 pub use crate::emitter::{EMITTERS, SHAPE_EMITTERS};
+pub use crate::film::FILMS;
+pub use crate::medium::MEDIA;
 pub use crate::phase::PHASES;
 pub use crate::plugin::{Plugin, find, report_unknown};
 pub use crate::sensor::{SENSORS, SHAPE_SENSORS};
@@ -10,31 +12,10 @@ pub use crate::shape::{COMPOSITE_SHAPES, SHAPES};
 pub use crate::texture::TEXTURES;
 pub use crate::volume::VOLUMES;
 
-use crate::builder::Builder;
-use crate::film::{self, FilmSpec};
 use crate::manual::Manual;
-use crate::medium::{self, Medium};
-use crate::plugin::plugin;
 use crate::rfilter;
 use crate::sampler;
-use etendue_document::{Class, Parameters};
-
-/// Builds a film.
-pub type BuildFilm = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<FilmSpec>;
-
-/// Builds a medium.
-pub type BuildMedium = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Medium>;
-/// The media.
-pub static MEDIA: &[Plugin<BuildMedium>] = &[
-    plugin("heterogeneous", &medium::heterogeneous::MANUAL, medium::heterogeneous::build),
-    plugin("homogeneous", &medium::homogeneous::MANUAL, medium::homogeneous::build),
-];
-
-/// The films.
-pub static FILMS: &[Plugin<BuildFilm>] = &[
-    plugin("hdrfilm", &film::hdrfilm::MANUAL, film::hdrfilm::build),
-    plugin("ldrfilm", &film::ldrfilm::MANUAL, film::ldrfilm::build),
-];
+use etendue_document::Class;
 
 /// Every plugin of this crate: class, name and manual page; those of a table in the order of their
 /// names.

@@ -41,13 +41,13 @@ const JITTER: ParameterManual = parameter(
     "jitter",
     "boolean",
     "true",
-    "Accepted; samples are jittered within their strata always, with a warning where this says no.",
+    "Accepted; samples are always jittered within their strata, with a warning if this is false.",
 );
 const SCRAMBLE: ParameterManual = parameter(
     "scramble",
     "integer",
     "-1",
-    "Accepted and without effect: the points are always scrambled, by `seed`.",
+    "Accepted, without effect: the points are always scrambled, by `seed`.",
 );
 
 /// Samples per pixel where the scene does not say.
@@ -81,7 +81,7 @@ fn read(parameters: &Parameters<'_>, kind: SamplerKind) -> SamplerSpec {
 /// Reads `jitter`, which cannot be turned off.
 fn read_jitter(parameters: &Parameters<'_>) {
     if !parameters.boolean("jitter", true) {
-        let message = "samples are jittered within their strata all the same";
+        let message = "samples are jittered within their strata regardless";
         parameters.warning(Fault::Approximation, "jitter", message);
     }
 }

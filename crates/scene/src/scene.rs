@@ -85,7 +85,7 @@ pub struct Scene {
     /// How emitters are chosen where they are not all alike.
     emitter_table: Option<AliasTable>,
     /// What several paths at once can sample of the emitters.
-    lamps: LaneEmitters,
+    lane_emitters: LaneEmitters,
     environments: Vec<EmitterId>,
     media: Vec<Medium>,
     /// What media end at each shape; empty where no shape has any.
@@ -179,7 +179,7 @@ impl Scene {
         Some(Self {
             level: level(bvh.tier()),
             bvh,
-            lamps: LaneEmitters::new(&parts.emitters, &parts.shapes),
+            lane_emitters: LaneEmitters::new(&parts.emitters, &parts.shapes),
             shapes: parts.shapes,
             top_level,
             instances: parts.instances,
@@ -335,8 +335,8 @@ impl Scene {
     }
 
     /// What several paths at once can sample of the emitters.
-    pub(crate) fn lamps(&self) -> &LaneEmitters {
-        &self.lamps
+    pub(crate) fn lane_emitters(&self) -> &LaneEmitters {
+        &self.lane_emitters
     }
 
     /// The emitter of the shape that was hit.

@@ -19,8 +19,9 @@ pub mod thinlens;
 pub use crate::models::connection::Connection;
 pub use crate::models::image_plane::SensorCommon;
 
-use crate::builder::{Builder, read_transform};
+use crate::builder::Builder;
 use crate::film::FilmSpec;
+use crate::inputs::transform::read_transform;
 use crate::manual::{ParameterManual, parameter};
 use crate::plugin::{Plugin, plugin};
 use crate::shape::Geometry;
@@ -160,7 +161,7 @@ impl Sensor {
     #[must_use]
     pub fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> SensorRay {
         let ray = with_sensor!(self, sensor => sensor.sample_ray(film_position, aperture));
-        // A shape without area sends out rays that count nothing.
+        // A shape without area yields rays of weight zero.
         ray.unwrap_or(SensorRay { ray: Ray::segment(Vec3::ZERO, Vec3::Z, 0.0), weight: 0.0 })
     }
 
@@ -223,7 +224,7 @@ const NEAR_CLIP: ParameterManual =
 const FAR_CLIP: ParameterManual =
     parameter("far_clip", "float", "10000", "Nothing beyond is seen; along the view.");
 const SHUTTER_OPEN: ParameterManual =
-    parameter("shutter_open", "float", "0", "When the shutter opens. Nothing moves yet.");
+    parameter("shutter_open", "float", "0", "When the shutter opens. Motion is not supported.");
 const SHUTTER_CLOSE: ParameterManual =
     parameter("shutter_close", "float", "0", "When the shutter closes.");
 const SRF: ParameterManual = parameter(
@@ -330,8 +331,8 @@ fn read_view(parameters: &Parameters<'_>, origin: &str) -> Option<Transform> {
 /// Warns where a sensor that measures one number has a film for more.
 fn warn_of_pixels(parameters: &Parameters<'_>, film: &FilmSpec) {
     if (film.width, film.height) != (1, 1) {
-        let message = "this sensor measures one number, which every pixel will show: its film is \
-                       meant to have one";
+        let message = "this sensor measures one number, which every pixel will show: give its film \
+                       one pixel";
         parameters.warning(Fault::BadValue, "film", message);
     }
 }

@@ -20,10 +20,10 @@ pub(crate) struct PathWeight<R> {
 /// How a path goes on from a surface, if it does.
 #[derive(Clone, Copy)]
 pub(crate) struct Continuation<R: Real> {
-    /// Whether it does. Where not, only `straight` means anything.
+    /// Whether it does. Where not, only `null` means anything.
     pub(crate) exists: R::Mask,
     /// Whether it passes straight through, as if no surface were there.
-    pub(crate) straight: R::Mask,
+    pub(crate) null: R::Mask,
     /// Whether next-event estimation could have found the direction, too.
     pub(crate) smooth: R::Mask,
     /// The unit direction, in the world.
@@ -46,14 +46,14 @@ impl<R: Real> Continuation<R> {
         strict_normals: StrictNormals,
     ) -> Self {
         let sample = scattering.sample(point.wi, numbers);
-        let SampleLanes { wo, weight: sample_weight, pdf, eta, exists, smooth, straight } = sample;
+        let SampleLanes { wo, weight: sample_weight, pdf, eta, exists, smooth, null } = sample;
         let direction = point.frame.to_world(wo);
         let throughput = weight.throughput * sample_weight;
-        let straight = straight & exists;
-        let allowed = straight | strict_normals.cut(exists, point, direction, wo);
+        let null = null & exists;
+        let allowed = null | strict_normals.cut(exists, point, direction, wo);
         Self {
             exists: allowed & !throughput.is_black(),
-            straight,
+            null,
             smooth,
             direction,
             pdf,

@@ -2,8 +2,8 @@
 
 use super::numbers::ScatterNumbers;
 use etendue_math::lanes::{Frame3, Lanes, Real, Simd, Vector3};
-use etendue_scene::bsdf::{Bsdf, BsdfSample, ClosureLanes, Lobe, SampleLanes, Transport};
-use etendue_scene::{SurfaceInteraction, SurfaceLanes};
+use etendue_scene::bsdf::{Bsdf, BsdfSample, Lobe, SampleLanes, Transport};
+use etendue_scene::{ClosureBatch, SurfaceInteraction, SurfaceLanes};
 use etendue_spectrum::SpectrumLanes;
 
 /// What the rules know of a surface.
@@ -102,7 +102,7 @@ impl Scattering<f32> for Bsdf<'_> {
             eta,
             exists: true,
             smooth: lobe.is_smooth(),
-            straight: lobe == Lobe::Null,
+            null: lobe == Lobe::Null,
         }
     }
 }
@@ -110,7 +110,7 @@ impl Scattering<f32> for Bsdf<'_> {
 /// The closures in the lanes from `first` on.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneScattering<'a, S> {
-    pub(crate) closures: &'a ClosureLanes<'a>,
+    pub(crate) closures: &'a ClosureBatch<'a>,
     pub(crate) simd: S,
     pub(crate) first: usize,
 }

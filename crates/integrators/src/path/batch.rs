@@ -8,9 +8,10 @@ use crate::estimator::{
 use etendue_math::lanes::{LaneArray, LaneMask, Lanes, Level, MAX_LANES, Mask, Simd, Vector3};
 use etendue_math::{Ray, RayLanes, with_lanes};
 use etendue_sampling::{RandomBatch, draw_vertices};
-use etendue_scene::bsdf::{ClosureLanes, LaneKind};
 use etendue_scene::models::mesh::TriangleBatch;
-use etendue_scene::{Hit, MaterialId, Scene, ShapeId, SurfaceBatch, SurfaceLanes};
+use etendue_scene::{
+    ClosureBatch, Hit, LaneKind, MaterialId, Scene, ShapeId, SurfaceBatch, SurfaceLanes,
+};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 
 /// As many vertices as the widest lanes take, all of materials of one kind, and where their paths go
@@ -24,7 +25,7 @@ pub(super) struct Batch<'a> {
     kind: LaneKind,
     pub(super) triangles: TriangleBatch,
     pub(super) surfaces: SurfaceBatch,
-    closures: ClosureLanes<'a>,
+    closures: ClosureBatch<'a>,
     numbers: RandomBatch,
     /// What the paths carry: on arrival, and after [`scatter`](Self::scatter) as they go on.
     throughput: [LaneArray; Spectrum::LANES],
@@ -53,7 +54,7 @@ struct NextRays {
     /// A bit for each place whose direction competes with next-event estimation.
     competing: u32,
     /// A bit for each place whose path passes straight through.
-    straight: u32,
+    null: u32,
     origin: [LaneArray; 3],
     direction: [LaneArray; 3],
     /// The density of the direction.
@@ -80,7 +81,7 @@ impl<'a> Batch<'a> {
             kind: LaneKind::Diffuse,
             triangles: TriangleBatch::default(),
             surfaces: SurfaceBatch::default(),
-            closures: ClosureLanes::new(LaneKind::Diffuse),
+            closures: ClosureBatch::new(LaneKind::Diffuse),
             numbers: RandomBatch::default(),
             throughput: Default::default(),
             eta: LaneArray::ZERO,
@@ -161,7 +162,7 @@ impl<'a> Batch<'a> {
     pub(super) fn scatter(&mut self, step: Step<'_>) {
         self.next.places = 0;
         self.next.competing = 0;
-        self.next.straight = 0;
+        self.next.null = 0;
         with_lanes!(step.scene.level(), simd => {
             for first in (0..self.count).step_by(self.width(simd)) {
                 self.scatter_group(self.group(simd, first, step), step);
@@ -221,7 +222,7 @@ impl<'a> Batch<'a> {
         if step.plays_roulette() {
             continuation.play_roulette(numbers.roulette);
         }
-        let Continuation { exists, straight, smooth, direction, pdf, weight } = continuation;
+        let Continuation { exists, null, smooth, direction, pdf, weight } = continuation;
         weight.throughput.store(&mut self.throughput, first);
         weight.eta.store(&mut self.eta, first);
         let next = &mut self.next;
@@ -232,7 +233,7 @@ impl<'a> Batch<'a> {
         if step.parameters.emitter_sampling {
             next.competing |= smooth.bits() << first;
         }
-        next.straight |= (live & straight).bits() << first;
+        next.null |= (live & null).bits() << first;
     }
 
     /// The places to which light has been proposed.
@@ -261,7 +262,7 @@ impl<'a> Batch<'a> {
 
     /// The places whose paths end or are scattered, rather than passing straight through.
     pub(super) fn covered_places(&self) -> impl Iterator<Item = usize> + use<> {
-        places(((1_u64 << self.count) - 1) as u32 & !self.next.straight)
+        places(((1_u64 << self.count) - 1) as u32 & !self.next.null)
     }
 
     /// The places whose paths go on.
@@ -286,7 +287,7 @@ impl<'a> Batch<'a> {
             shape,
             throughput: SpectrumLanes::take(&self.throughput, place).into(),
             eta: self.eta.0[place],
-            straight: next.straight >> place & 1 != 0,
+            null: next.null >> place & 1 != 0,
         }
     }
 }

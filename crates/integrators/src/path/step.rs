@@ -39,7 +39,7 @@ pub(super) struct NextVertex {
     pub(super) throughput: Spectrum,
     pub(super) eta: f32,
     /// Whether it passes straight through the surface, as if that were not there.
-    pub(super) straight: bool,
+    pub(super) null: bool,
 }
 
 impl PathState {
@@ -59,7 +59,7 @@ impl PathState {
     /// Goes on; returns the ray.
     #[inline(always)]
     pub(super) fn advance(&mut self, next: NextVertex) -> Ray {
-        if next.straight {
+        if next.null {
             self.sheet.enter(next.shape, next.vertex.point);
         }
         (self.vertex, self.throughput, self.eta) = (next.vertex, next.throughput, next.eta);
@@ -202,7 +202,7 @@ impl<'a> Step<'a> {
             shape: surface.shape,
             throughput: continuation.weight.throughput.into(),
             eta: continuation.weight.eta,
-            straight: continuation.straight,
+            null: continuation.null,
         }
     }
 }

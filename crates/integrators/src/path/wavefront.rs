@@ -16,10 +16,9 @@ use crate::integrator::{CameraRay, Radiance};
 use crate::parameters::PathParameters;
 use etendue_math::Ray;
 use etendue_math::lanes::MAX_LANES;
-use etendue_scene::bsdf::LaneKind;
 use etendue_scene::emitter::DirectionSample;
 use etendue_scene::shape::Geometry;
-use etendue_scene::{Hit, MaterialId, Scene, ShapeId, SurfaceInteraction};
+use etendue_scene::{Hit, LaneKind, MaterialId, Scene, ShapeId, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 
 /// Where a path has met a surface.
@@ -278,7 +277,7 @@ impl<'a> Wavefront<'a> {
                 self.pending.keep(*index, numbers.light.x, light);
             }
             let continuation = step.sample_direction(path, surface, &bsdf, numbers);
-            if !continuation.straight {
+            if !continuation.null {
                 path.alpha.cover();
             }
             if continuation.exists {

@@ -20,7 +20,7 @@ use etendue_spectrum::SpectrumLanes;
 ///
 /// Lanes that were never set hold closures all of whose numbers are zero.
 #[derive(Clone, Debug)]
-pub struct ClosureLanes<'a> {
+pub struct ClosureBatch<'a> {
     kind: LaneKind,
     /// A bit for each lane whose material is the same from both sides.
     two_sided: u32,
@@ -68,7 +68,7 @@ macro_rules! closure_dispatch {
 
 bsdf_list!(closure_dispatch);
 
-impl<'a> ClosureLanes<'a> {
+impl<'a> ClosureBatch<'a> {
     /// No closures yet.
     #[must_use]
     pub fn new(kind: LaneKind) -> Self {
@@ -207,7 +207,7 @@ impl Transfer<f32, f32> for ToLane<'_> {
 
 /// The numbers of closures on their way out of the lanes from `first` on.
 struct FromLanes<'a, S> {
-    lanes: &'a ClosureLanes<'a>,
+    lanes: &'a ClosureBatch<'a>,
     simd: S,
     first: usize,
     count: usize,

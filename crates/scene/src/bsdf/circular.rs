@@ -40,7 +40,7 @@ pub(crate) const CASES: Cases = Cases {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Null> {
-    // It is read for its mistakes alone: see the manual.
+    // It has no effect, and is read only to report mistakes: see the manual.
     parameters.boolean("left_handed", false);
     Some(Null::filter(reflectance(builder, parameters, "transmittance", 1.0), SHARE))
 }

@@ -144,7 +144,7 @@ impl LaneMaterial for Plastic {
 /// A resolved smooth coat over a matt base.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlasticClosure<R = f32> {
-    /// The base's reflectance with the light thrown back, over the squared index.
+    /// The base's reflectance with internal reflections, over the squared index.
     base: SpectrumLanes<R>,
     /// The base's reflectance alone, which weighs the choice of lobes.
     reflectance: SpectrumLanes<R>,

@@ -176,7 +176,7 @@ impl LaneMaterial for RoughPlastic {
 /// A resolved rough coat over a matt base. `C` tells what it lets through.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoughPlasticClosure<C, R = f32> {
-    /// The base's reflectance with the light thrown back, over the squared index.
+    /// The base's reflectance with internal reflections, over the squared index.
     base: SpectrumLanes<R>,
     /// The base's reflectance alone, which weighs the choice of lobes.
     reflectance: SpectrumLanes<R>,

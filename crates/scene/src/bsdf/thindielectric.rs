@@ -150,7 +150,7 @@ impl<R: Real> LaneClosure<R> for ThinDielectricClosure<R> {
             weight: SpectrumLanes::select(reflects, self.reflectance, self.transmittance),
             pdf: R::select(reflects, reflected, passed),
             exists: reflects | passed.above(0.0),
-            straight: !reflects,
+            null: !reflects,
             ..SampleLanes::none(wi)
         }
     }

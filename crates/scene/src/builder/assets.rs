@@ -3,8 +3,10 @@
 use super::input::{BuildOptions, Identity, SceneInput};
 use crate::cache::{AssetCache, Digest, NodeDigests};
 use crate::models::mesh::{Mesh, MeshOptions};
-use crate::registry::{self, find};
+use crate::plugin::find;
+use crate::shape::COMPOSITE_SHAPES;
 use crate::shape::Geometry;
+use crate::shape::SHAPES;
 use crate::texture::{Texture, bitmap};
 use etendue_document::{
     Class, Diagnostic, Diagnostics, Document, Fault, NodeId, NotFound, Parameters, ResourceError,
@@ -177,8 +179,7 @@ impl<'a> Assets<'a> {
     /// What is built ahead of the nodes that hold it: the textures that show pictures, those of each
     /// file together, and shapes with geometry of their own.
     fn find(&self) -> (Vec<Vec<Parameters<'_>>>, Vec<NodeId>) {
-        let is_composite =
-            |plugin| registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
+        let is_composite = |plugin| COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
         let (mut shapes, mut textures) = (Vec::new(), Vec::new());
         for id in (0..self.document.nodes.len() as u32).map(NodeId) {
             let node = self.document.node(id);
@@ -226,7 +227,7 @@ impl<'a> Assets<'a> {
 
     fn load_shape(&self, id: NodeId) -> LoadedShape<'_> {
         let parameters = self.document.parameters(id, self.diagnostics);
-        let geometry = find(registry::SHAPES, &parameters).and_then(|build| {
+        let geometry = find(SHAPES, &parameters).and_then(|build| {
             self.kept_with_digest(&parameters, &[], |assets, parameters| {
                 let geometry = build(assets, parameters)?;
                 assets.check_extent(&geometry, parameters.span());

@@ -2,9 +2,12 @@
 
 use super::Builder;
 use crate::ids::MediumId;
+use crate::medium::MEDIA;
 use crate::medium::MediumInterface;
+use crate::phase::PHASES;
 use crate::phase::PhaseFunction;
-use crate::registry::{self, find};
+use crate::plugin::find;
+use crate::volume::VOLUMES;
 use crate::volume::Volume;
 use etendue_document::{Class, Fault, NodeId, Parameters};
 use etendue_spectrum::SpectrumUse;
@@ -16,8 +19,7 @@ impl Builder<'_> {
             return built.clone();
         }
         let parameters = self.parameters(node);
-        let volume =
-            find(registry::VOLUMES, &parameters).and_then(|build| build(self, &parameters));
+        let volume = find(VOLUMES, &parameters).and_then(|build| build(self, &parameters));
         if volume.is_some() {
             parameters.finish();
         }
@@ -56,7 +58,7 @@ impl Builder<'_> {
             return built.clone();
         }
         let parameters = self.parameters(node);
-        let phase = find(registry::PHASES, &parameters).and_then(|build| build(self, &parameters));
+        let phase = find(PHASES, &parameters).and_then(|build| build(self, &parameters));
         if phase.is_some() {
             parameters.finish();
         }
@@ -70,7 +72,7 @@ impl Builder<'_> {
             return *built;
         }
         let parameters = self.parameters(node);
-        let medium = find(registry::MEDIA, &parameters).and_then(|build| build(self, &parameters));
+        let medium = find(MEDIA, &parameters).and_then(|build| build(self, &parameters));
         let id = medium.map(|medium| {
             self.media.push(medium);
             MediumId(self.media.len() as u32 - 1)

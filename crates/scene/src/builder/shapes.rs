@@ -1,11 +1,14 @@
 //! Shapes, groups and instances.
 
+use super::Builder;
 use super::assets::{LoadedShape, Made};
-use super::{Builder, read_transform};
+use crate::emitter::SHAPE_EMITTERS;
 use crate::emitter::{Emitter, read_sampling_weight};
 use crate::ids::{EmitterId, GroupId, MaterialId, ShapeId};
-use crate::registry;
+use crate::inputs::transform::read_transform;
+use crate::plugin::find;
 use crate::scene::{Parts, Tree, TreeContent};
+use crate::shape::COMPOSITE_SHAPES;
 use crate::shape::instance::Instance;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
@@ -21,9 +24,9 @@ impl<'a> Builder<'a> {
         let mut parts = Parts::default();
         let children = root.children_of(Class::Shape);
         let plugin = |child: &&Child| self.assets.document.node(child.node).plugin.as_str();
-        let (composite, simple): (Vec<_>, Vec<_>) = children.into_iter().partition(|child| {
-            registry::COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin(child))
-        });
+        let (composite, simple): (Vec<_>, Vec<_>) = children
+            .into_iter()
+            .partition(|child| COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin(child)));
         let instances: Vec<NodeId> = composite
             .iter()
             .filter(|child| plugin(child) == "instance")
@@ -78,7 +81,7 @@ impl<'a> Builder<'a> {
     fn shape_emitter(&mut self, parameters: &Parameters<'_>, shape: ShapeId) -> Option<Emitter> {
         let child = parameters.unnamed_child(Class::Emitter)?;
         let parameters = self.parameters(child.node);
-        let build = registry::find(registry::SHAPE_EMITTERS, &parameters)?;
+        let build = find(SHAPE_EMITTERS, &parameters)?;
         let emitter = build(self, &parameters, shape);
         self.emitter_weights.push(read_sampling_weight(&parameters));
         parameters.finish();

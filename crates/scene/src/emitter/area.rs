@@ -1,4 +1,4 @@
-//! `area`: a shape that glows.
+//! `area`: a shape that emits light.
 
 use super::{DirectionSample, LaneEmitter, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target};
 use crate::builder::Builder;
@@ -61,7 +61,7 @@ pub(crate) const CASES: Cases = Cases {
     ],
 };
 
-/// A glowing shape.
+/// A shape that emits light.
 #[derive(Clone, Debug)]
 pub struct Area {
     shape: ShapeId,
@@ -75,7 +75,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>, shape: Shap
 }
 
 /// The unit direction from `reference` to a point of a light with this shading normal, and whether
-/// light comes from there: not where the light shows its back, and not where the points coincide.
+/// light comes from there: not from the back of the light, and not where the points coincide.
 #[inline(always)]
 fn towards<R: Real>(
     reference: Vector3<R>,
@@ -108,7 +108,7 @@ pub(crate) fn light_from<R: Real>(
     }
 }
 
-/// A flat parallelogram that glows evenly, or one for each lane.
+/// A parallelogram of constant radiance, or one for each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ParallelogramLight<R> {
     pub(crate) shape: Parallelogram<R>,
@@ -138,7 +138,7 @@ impl ParallelogramLight<f32> {
     }
 }
 
-/// A panel for each lane, side by side in memory.
+/// A parallelogram light for each lane, in columns.
 #[derive(Debug, Default)]
 pub(crate) struct ParallelogramLightBatch {
     shape: ParallelogramBatch,
@@ -146,20 +146,20 @@ pub(crate) struct ParallelogramLightBatch {
 }
 
 impl ParallelogramLightBatch {
-    /// Puts a panel in a lane.
+    /// Puts a light in a lane.
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, panel: &ParallelogramLight<f32>) {
-        self.shape.set(lane, &panel.shape);
-        self.set_radiance(lane, panel.radiance.into());
+    pub(crate) fn set(&mut self, lane: usize, light: &ParallelogramLight<f32>) {
+        self.shape.set(lane, &light.shape);
+        self.set_radiance(lane, light.radiance.into());
     }
 
-    /// Puts radiance in a lane that has no panel.
+    /// Puts radiance in a lane that has no parallelogram.
     #[inline(always)]
     pub(crate) fn set_radiance(&mut self, lane: usize, radiance: Spectrum) {
         SpectrumLanes::from(radiance).put(&mut self.radiance, lane);
     }
 
-    /// The panels of the first lanes.
+    /// The lights of the first lanes.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
         ParallelogramLight {

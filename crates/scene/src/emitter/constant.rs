@@ -40,13 +40,13 @@ pub(crate) const CASES: Cases = Cases {
     ],
 };
 
-/// Uniform surroundings.
+/// A constant environment.
 #[derive(Clone, Debug)]
 pub struct Constant {
     radiance: Spectrum,
 }
 
-/// Reads uniform surroundings.
+/// Reads a constant environment.
 #[must_use]
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Constant> {
     Some(Constant {

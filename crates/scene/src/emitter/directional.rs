@@ -1,7 +1,8 @@
 //! `directional`: parallel light from afar.
 
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, ray_from_afar};
-use crate::builder::{Builder, read_transform};
+use crate::builder::Builder;
+use crate::inputs::transform::read_transform;
 use crate::manual::{Manual, parameter};
 #[cfg(test)]
 use crate::testing::emitter_cases::Cases;

@@ -1,10 +1,11 @@
-//! `envmap`: a picture of the surroundings.
+//! `envmap`: a picture of the environment.
 
 use super::{
     DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, sample_ray_from_afar,
 };
-use crate::builder::{Assets, Builder, read_transform};
+use crate::builder::{Assets, Builder};
 use crate::inputs::picture_in_memory;
+use crate::inputs::transform::read_transform;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 #[cfg(test)]
@@ -31,7 +32,7 @@ pub const MANUAL: Manual = Manual {
         ),
         parameter("data", "buffer", "", "Instead of a file: texels in memory, as of `bitmap`."),
         parameter("scale", "float", "1", "A factor on the radiance."),
-        parameter("to_world", "transform", "", "Turns the surroundings."),
+        parameter("to_world", "transform", "", "Rotates the environment."),
         parameter(
             "mis_compensation",
             "boolean",
@@ -60,7 +61,7 @@ pub(crate) const CASES: Cases = Cases {
     ],
 };
 
-/// A picture of the surroundings. Clones share the picture.
+/// A picture of the environment. Clones share the picture.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     to_world: Transform,

@@ -1,9 +1,10 @@
-//! `projector`: a point that throws a picture.
+//! `projector`: a point that projects a picture.
 
 use super::point::point_sample;
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
-use crate::builder::{Builder, read_transform};
+use crate::builder::Builder;
 use crate::inputs::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
+use crate::inputs::transform::read_transform;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 #[cfg(test)]
@@ -18,7 +19,7 @@ use std::f32::consts::PI;
 /// The manual page.
 pub const MANUAL: Manual = Manual {
     summary: "A slide projector: the reverse of a pinhole camera. It stands at the origin of its own \
-              space and throws a picture along +z, with +y up; the picture's own shape is that of the \
+              space and projects a picture along +z, with +y up; the picture's own shape is that of the \
               beam.",
     parameters: &[
         parameter(

@@ -2,7 +2,8 @@
 
 use super::point::point_sample;
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
-use crate::builder::{Builder, read_transform};
+use crate::builder::Builder;
+use crate::inputs::transform::read_transform;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 #[cfg(test)]

@@ -6,7 +6,8 @@ mod position;
 use super::{
     DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, sample_ray_from_afar,
 };
-use crate::builder::{Builder, read_transform};
+use crate::builder::Builder;
+use crate::inputs::transform::read_transform;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 #[cfg(test)]

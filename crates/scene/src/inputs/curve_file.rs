@@ -1,6 +1,7 @@
 //! Files of curves: a control point a line, `x y z radius`; an empty line begins another curve.
 
-use crate::builder::{Assets, read_transform};
+use crate::builder::Assets;
+use crate::inputs::transform::read_transform;
 use etendue_document::{Fault, Parameters};
 use etendue_math::Transform;
 use glam::{Vec3, Vec4};

@@ -90,7 +90,7 @@ pub(crate) fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<V
         extent: parameters.float_in("extent", 3.0, positive),
         is_adaptive: parameters.boolean("extent_adaptive_clamping", false),
     };
-    let is_placed = crate::builder::read_transform(parameters, "to_world").is_some();
+    let is_placed = crate::inputs::transform::read_transform(parameters, "to_world").is_some();
     let (path, bytes) = assets.read_file(parameters, "filename")?;
     if !is_placed {
         return None;

@@ -25,7 +25,7 @@ pub struct SampleLanes<R: Real> {
     /// Whether the direction has a density in solid angle; see [`Lobe::is_smooth`].
     pub smooth: R::Mask,
     /// Whether the path goes straight on, as if no surface were there ([`Lobe::Null`]).
-    pub straight: R::Mask,
+    pub null: R::Mask,
 }
 
 impl<R: Real> SampleLanes<R> {
@@ -41,7 +41,7 @@ impl<R: Real> SampleLanes<R> {
             eta: zero + 1.0,
             exists: never,
             smooth: never,
-            straight: never,
+            null: never,
         }
     }
 
@@ -55,7 +55,7 @@ impl<R: Real> SampleLanes<R> {
             eta: R::select(mask, yes.eta, no.eta),
             exists: mask & yes.exists | !mask & no.exists,
             smooth: mask & yes.smooth | !mask & no.smooth,
-            straight: mask & yes.straight | !mask & no.straight,
+            null: mask & yes.null | !mask & no.null,
         }
     }
 
@@ -175,7 +175,7 @@ pub(crate) use columns;
 
 /// What a closure of one hit has beside its [`LaneClosure`]; it is then a [`Closure`].
 pub(crate) trait HitClosure: LaneClosure<f32> {
-    /// See [`Closure::straight`].
+    /// See [`Closure::null_transmission`].
     fn null_transmission(&self, _wi: Vec3) -> (Spectrum, f32) {
         (Spectrum::ZERO, 0.0)
     }
@@ -203,7 +203,7 @@ impl<C: HitClosure> Closure for C {
         transport: Transport,
     ) -> Option<BsdfSample> {
         let sample = self.sample_lanes(wi.into(), lobe, direction.into(), transport);
-        let lobe = match (sample.smooth, sample.straight) {
+        let lobe = match (sample.smooth, sample.null) {
             (true, _) => Lobe::Smooth,
             (false, true) => Lobe::Null,
             (false, false) => Lobe::Delta,

@@ -30,7 +30,7 @@ pub struct SurfaceLanes<R> {
 }
 
 impl<R: Real> SurfaceLanes<R> {
-    /// Where an unbounded ray starts that leaves the surface towards the world direction `direction`.
+    /// The origin of an unbounded ray that leaves the surface towards the world direction `direction`.
     #[inline(always)]
     #[must_use]
     pub fn ray_origin(&self, direction: Vector3<R>) -> Vector3<R> {
@@ -52,7 +52,7 @@ pub struct SurfaceBatch {
 }
 
 impl SurfaceBatch {
-    /// Keeps surfaces, from the place `first` on.
+    /// Stores surfaces, from the place `first` on.
     #[inline(always)]
     pub fn store<S: Simd>(&mut self, surfaces: &SurfaceLanes<Lanes<S>>, first: usize) {
         surfaces.point.store(&mut self.point, first);

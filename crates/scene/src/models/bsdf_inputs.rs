@@ -12,14 +12,14 @@ use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse, metal, metal_names}
 use glam::Vec2;
 use std::ops::RangeInclusive;
 
-/// A number between its bounds; the lower one for NaN, which a texture may hold.
+/// Clamps a number; NaN, which a texture may hold, becomes the lower bound.
 #[inline]
 pub(crate) fn limited(value: f32, low: f32, high: f32) -> f32 {
     if value > low { value.min(high) } else { low }
 }
 
-/// A share of light: a colour from 0 to 1. Above one it is warned of and taken as it is, as it
-/// makes light out of nothing.
+/// A reflectance or transmittance: a colour from 0 to 1. Larger values create energy; they are kept,
+/// with a warning.
 pub(crate) fn reflectance(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -30,14 +30,15 @@ pub(crate) fn reflectance(
     if let ColorSource::Constant(color) = source
         && color.max_component() > 1.0
     {
-        let message = format!("`{name}` is above 1: the surface gives off more light than it gets");
+        let message =
+            format!("`{name}` is above 1: the surface reflects more light than it receives");
         parameters.warning(Fault::BadValue, name, message);
     }
     source
 }
 
-/// A scalar with bounds for its constants; outside them, and for NaN, an error is reported and
-/// the default returned. What a texture holds can only be limited where it is read.
+/// A scalar whose constant must be within `bounds`: otherwise, and for NaN, this reports an error and
+/// returns the default. Values of a texture are clamped where they are read.
 pub(crate) fn scalar_within(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -58,8 +59,7 @@ pub(crate) fn scalar_within(
     }
 }
 
-/// A share from 0 to 1. Beyond them it means nothing, but scenes hold such numbers: they are limited,
-/// with a warning.
+/// A fraction from 0 to 1. Values outside are clamped, with a warning, because scenes contain them.
 pub(crate) fn fraction(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -68,7 +68,7 @@ pub(crate) fn fraction(
 ) -> ScalarSource {
     match builder.scalar(parameters, name, default) {
         ScalarSource::Constant(value) if !(0.0..=1.0).contains(&value) => {
-            let message = format!("`{name}` is {value}, and limited to the range from 0 to 1");
+            let message = format!("`{name}` is {value}, and is clamped to the range from 0 to 1");
             parameters.warning(Fault::BadValue, name, message);
             ScalarSource::Constant(limited(value, 0.0, 1.0))
         }
@@ -93,8 +93,8 @@ pub(crate) fn relative_index(
     1.5
 }
 
-/// The same for a rough interface, which is none where both indices are equal: every direction of
-/// its transmission would be the straight one.
+/// The same for a rough interface; `None` where both indices are equal, since all of its transmission
+/// would go straight on.
 pub(crate) fn rough_relative_index(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -241,15 +241,15 @@ fn named_metal(parameters: &Parameters<'_>) -> [ColorSource; 2] {
     let Some(metal) = metal(name) else {
         let near = near_names(name, metal_names());
         let near = if near.is_empty() { metal_names().collect() } else { near };
-        let message = format!("no metal `{name}` is known; there is {}", list_names(near));
+        let message = format!("there is no metal `{name}`; known are {}", list_names(near));
         parameters.error(Fault::BadValue, "material", message);
         return mirror;
     };
     [metal.eta_rgb(), metal.k_rgb()].map(|rgb| ColorSource::Constant(Spectrum::from_rgb(rgb)))
 }
 
-/// A coat's inside: the diffuse base, its reflectance raised by the light that the coat throws
-/// back at it. `internal_diffuse_reflectance` is the share that the coat reflects from inside.
+/// The diffuse base under a coat, its reflectance raised by the light that the coat reflects back to
+/// it. `internal_diffuse_reflectance` is the fraction that the coat reflects from inside.
 #[inline]
 pub(crate) fn coated_base(
     base: Spectrum,
@@ -265,9 +265,9 @@ pub(crate) fn coated_base(
 /// Whether scattering inside a coat shifts the colour of its base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ColorShift {
-    /// Light that is thrown back is coloured at every bounce: darker, more saturated.
+    /// Light reflected back is coloured at every bounce: darker, more saturated.
     Nonlinear,
-    /// Light that is thrown back is replaced: the colour of the base is kept.
+    /// Light reflected back keeps the colour of the base.
     None,
 }
 
@@ -281,8 +281,8 @@ impl ColorShift {
     }
 }
 
-/// The share of samples that go to the specular lobe of a coated surface, where the coat reflects
-/// the share `reflected`.
+/// The probability of sampling the specular lobe of a coated surface whose coat reflects the fraction
+/// `reflected`.
 #[inline(always)]
 pub(crate) fn specular_probability<R: Real>(
     specular: SpectrumLanes<R>,
@@ -300,8 +300,8 @@ pub(crate) fn internal_diffuse_reflectance(eta: f32) -> f32 {
     fresnel::diffuse_reflectance(1.0 / eta)
 }
 
-/// The nested materials of a wrapper that takes as many as `allowed` says; `None` after reporting
-/// that there are more or fewer, or that one of them is wrong.
+/// The nested materials of a wrapper that takes `allowed` of them; `None` after reporting that there
+/// are more or fewer, or that one of them is invalid.
 pub(crate) fn nested(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,

@@ -16,7 +16,7 @@ pub struct SensorCommon {
     pub far_clip: f32,
     /// When the shutter opens.
     pub shutter_open: f32,
-    /// When the shutter closes, not before it opens. Nothing moves yet.
+    /// When the shutter closes, not before it opens. Motion is not supported.
     pub shutter_close: f32,
 }
 

@@ -96,7 +96,7 @@ impl MeshOptions {
         let flip_normals = parameters.boolean("flip_normals", false);
         let max_smooth_angle =
             parameters.optional_float("max_smooth_angle").map(|angle| angle as f32);
-        let to_world = crate::builder::read_transform(parameters, "to_world")?;
+        let to_world = crate::inputs::transform::read_transform(parameters, "to_world")?;
         let compute_normals = !face_normals;
         Some(Self { to_world, face_normals, flip_normals, max_smooth_angle, compute_normals })
     }

@@ -83,7 +83,7 @@ impl Blend {
     #[inline]
     fn shares(&self, interaction: &MediumInteraction) -> [f32; 2] {
         let second = self.weight.eval_scalar(interaction.point);
-        // A weight that is not a number counts as none.
+        // A weight that is NaN counts as 0.
         let second = if second > 0.0 { second.min(1.0) } else { 0.0 };
         [1.0 - second, second]
     }

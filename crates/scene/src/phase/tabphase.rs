@@ -57,7 +57,7 @@ pub fn build(_builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<
         match word.parse::<f32>() {
             Ok(value) if value.is_finite() && value >= 0.0 => values.push(value),
             _ => {
-                let message = format!("`{word}` is no value of a phase function");
+                let message = format!("`{word}` is not a valid value of a phase function");
                 parameters.error(Fault::BadValue, "values", message);
                 return None;
             }

@@ -1,6 +1,6 @@
 //! Light chosen for several paths at once.
 //!
-//! Every lane has the bits of [`Scene::sample_light`]. Panels (flat lights of even radiance), other
+//! Every lane has the bits of [`Scene::sample_light`]. Panels (parallelograms lights of even radiance), other
 //! meshes of even radiance and even surroundings are sampled in lanes; the other emitters lane by lane.
 
 #[cfg(test)]
@@ -30,8 +30,8 @@ impl LaneEmitter {
         random: Vector2<Lanes<S>>,
     ) -> Option<LightLanes<Lanes<S>>> {
         match self {
-            Self::Parallelogram(panel) => {
-                Some(panel.splat(simd).sample_direction(reference, random))
+            Self::Parallelogram(light) => {
+                Some(light.splat(simd).sample_direction(reference, random))
             }
             Self::ConstantEnvironment(radiance) => {
                 Some(light_from_everywhere(SpectrumLanes::splat(simd, *radiance), random))
@@ -84,10 +84,10 @@ impl Scene {
         random: Vector2<Lanes<S>>,
         wanted: LaneMask<S>,
     ) -> LightLanes<Lanes<S>> {
-        if let [lamp] = self.lamps().0.as_slice() {
+        if let [only] = self.lane_emitters().0.as_slice() {
             let (_, rest) = choose_evenly(random.x, 1);
             let rest = Vector2::new(rest, random.y);
-            if let Some(light) = lamp.sample_direction(simd, reference, rest) {
+            if let Some(light) = only.sample_direction(simd, reference, rest) {
                 return LightLanes { exists: light.exists & wanted, ..light };
             }
         }
@@ -96,7 +96,7 @@ impl Scene {
         }
         let choices = self.choose_emitters(simd, random.x, wanted);
         let random = Vector2::new(choices.rest, random.y);
-        let mut light = self.sample_lamps(simd, (reference, random), wanted, &choices.emitters);
+        let mut light = self.sample_in_lanes(simd, (reference, random), wanted, &choices.emitters);
         light.pdf = light.pdf * choices.probability;
         light
     }
@@ -141,46 +141,46 @@ impl Scene {
 
     /// Light of the emitters chosen: in lanes where it can be, and one by one of the others.
     #[inline(always)]
-    fn sample_lamps<S: Simd>(
+    fn sample_in_lanes<S: Simd>(
         &self,
         simd: S,
         (reference, random): (Vector3<Lanes<S>>, Vector2<Lanes<S>>),
         wanted: LaneMask<S>,
         emitters: &[u32; MAX_LANES],
     ) -> LightLanes<Lanes<S>> {
-        let mut block = ParallelogramLightBatch::default();
-        let (mut flat, mut surrounded, mut folded) = (0, 0, 0);
+        let mut batch = ParallelogramLightBatch::default();
+        let (mut parallelograms, mut environments, mut meshes) = (0, 0, 0);
         for lane in lanes_of(wanted.bits()) {
-            match &self.lamps().0[emitters[lane] as usize] {
-                LaneEmitter::Parallelogram(panel) => {
-                    block.set(lane, panel);
-                    flat |= 1 << lane;
+            match &self.lane_emitters().0[emitters[lane] as usize] {
+                LaneEmitter::Parallelogram(light) => {
+                    batch.set(lane, light);
+                    parallelograms |= 1 << lane;
                 }
                 LaneEmitter::ConstantEnvironment(radiance) => {
-                    block.set_radiance(lane, *radiance);
-                    surrounded |= 1 << lane;
+                    batch.set_radiance(lane, *radiance);
+                    environments |= 1 << lane;
                 }
                 LaneEmitter::Mesh(_, radiance) => {
-                    block.set_radiance(lane, *radiance);
-                    folded |= 1 << lane;
+                    batch.set_radiance(lane, *radiance);
+                    meshes |= 1 << lane;
                 }
                 LaneEmitter::Single => {}
             }
         }
-        let panel = block.load(simd);
-        let mut place = panel.shape.light_point(random);
-        if folded != 0 {
-            let points = self.points_of_meshes(simd, folded, emitters, random);
-            place = LightPoint::select(LaneMask::from_bits(simd, folded), points, place);
+        let lights = batch.load(simd);
+        let mut place = lights.shape.light_point(random);
+        if meshes != 0 {
+            let points = self.points_of_meshes(simd, meshes, emitters, random);
+            place = LightPoint::select(LaneMask::from_bits(simd, meshes), points, place);
         }
-        let mut light = light_from(place, panel.radiance, reference);
-        light.exists = light.exists & LaneMask::from_bits(simd, flat | folded);
-        if surrounded != 0 {
+        let mut light = light_from(place, lights.radiance, reference);
+        light.exists = light.exists & LaneMask::from_bits(simd, parallelograms | meshes);
+        if environments != 0 {
             let everywhere = light_from_everywhere(light.radiance, random);
-            let surrounded = LaneMask::from_bits(simd, surrounded);
-            light = LightLanes::select(surrounded, everywhere, light);
+            let environments = LaneMask::from_bits(simd, environments);
+            light = LightLanes::select(environments, everywhere, light);
         }
-        let others = wanted.bits() & !(flat | folded | surrounded);
+        let others = wanted.bits() & !(parallelograms | meshes | environments);
         if others == 0 {
             return light;
         }
@@ -193,27 +193,27 @@ impl Scene {
         lights.load(simd)
     }
 
-    /// Points of the glowing meshes of the lanes `folded`.
+    /// Points of the emitting meshes of the lanes `meshes`.
     #[inline(always)]
     fn points_of_meshes<S: Simd>(
         &self,
         simd: S,
-        folded: u32,
+        meshes: u32,
         emitters: &[u32; MAX_LANES],
         random: Vector2<Lanes<S>>,
     ) -> LightPoint<Lanes<S>> {
-        let mut block = LightPointBatch::default();
+        let mut batch = LightPointBatch::default();
         let mut numbers = [LaneArray::ZERO; 2];
         random.store(&mut numbers, 0);
-        for lane in lanes_of(folded) {
-            if let LaneEmitter::Mesh(shape, _) = self.lamps().0[emitters[lane] as usize]
+        for lane in lanes_of(meshes) {
+            if let LaneEmitter::Mesh(shape, _) = self.lane_emitters().0[emitters[lane] as usize]
                 && let Geometry::Mesh(mesh) = &self.shape(shape).geometry
             {
                 let random = numbers.each_ref().map(|column| column.0[lane]);
-                block.set(lane, mesh, random.into());
+                batch.set(lane, mesh, random.into());
             }
         }
-        block.points(simd)
+        batch.points(simd)
     }
 
     /// Light of the emitters of the lanes `others`, one by one.

@@ -89,7 +89,7 @@ pub fn build(
     let range = (Bound::Excluded(0.0), Bound::Included(MAX_VALUE));
     let focus_distance = parameters.float_in("focus_distance", far, range);
     if radius > MAX_RATIO * focus_distance {
-        let message = "the focus lies within the aperture, for all that numbers can tell";
+        let message = "the focus lies within the aperture, within the precision of the numbers";
         parameters.error(Fault::BadValue, "focus_distance", message);
         return None;
     }

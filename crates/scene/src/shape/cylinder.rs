@@ -1,7 +1,8 @@
 //! `cylinder`: a tube without caps.
 
 use super::{ShapeModel, ShapeSample, SurfacePoint};
-use crate::builder::{Assets, read_transform};
+use crate::builder::Assets;
+use crate::inputs::transform::read_transform;
 use crate::manual::{Manual, parameter};
 use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Fault, Parameters};

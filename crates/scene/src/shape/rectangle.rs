@@ -22,7 +22,7 @@ pub const MANUAL: Manual = Manual {
 #[must_use]
 pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
     let flip_normals = parameters.boolean("flip_normals", false);
-    let to_world = crate::builder::read_transform(parameters, "to_world")?;
+    let to_world = crate::inputs::transform::read_transform(parameters, "to_world")?;
     placed(to_world, flip_normals)
 }
 

@@ -17,7 +17,8 @@ mod tests;
 mod tree;
 
 use super::{ShapeModel, ShapeSample, SurfacePoint};
-use crate::builder::{Assets, read_transform};
+use crate::builder::Assets;
+use crate::inputs::transform::read_transform;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use crate::models::profile::{self, Segment};

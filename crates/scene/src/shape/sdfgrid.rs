@@ -5,8 +5,9 @@
 //! Tracing of Signed Distance Function Grids", JCGT 11(3), 2022).
 
 use super::{ShapeModel, SurfacePoint};
-use crate::builder::{Assets, read_transform};
+use crate::builder::Assets;
 use crate::inputs::grid_file;
+use crate::inputs::transform::read_transform;
 use crate::manual::{Manual, parameter};
 use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::{Fault, Parameters};

@@ -1,7 +1,8 @@
 //! `sphere`: intersected in double precision, sampled within the cone that a point sees.
 
 use super::{ShapeModel, ShapeSample, SurfacePoint};
-use crate::builder::{Assets, read_transform};
+use crate::builder::Assets;
+use crate::inputs::transform::read_transform;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use etendue_bvh::{Hit, PrimitiveHit};

@@ -1,7 +1,8 @@
 //! `constvolume`: the same value everywhere.
 
 use super::{UNIT_CUBE, VolumeModel};
-use crate::builder::{Builder, read_transform};
+use crate::builder::Builder;
+use crate::inputs::transform::read_transform;
 use crate::manual::{Manual, parameter};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Transform};

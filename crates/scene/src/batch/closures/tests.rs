@@ -90,7 +90,7 @@ struct Answers {
 }
 
 #[inline(always)]
-fn answer<S: Simd>(simd: S, closures: &ClosureLanes<'_>, paths: &Paths) -> Answers {
+fn answer<S: Simd>(simd: S, closures: &ClosureBatch<'_>, paths: &Paths) -> Answers {
     let mut answers =
         Answers { eval: [(Spectrum::ZERO, 0.0); MAX_LANES], sample: [None; MAX_LANES] };
     for first in (0..MAX_LANES).step_by(Lanes::<S>::COUNT) {
@@ -112,7 +112,7 @@ fn answer<S: Simd>(simd: S, closures: &ClosureLanes<'_>, paths: &Paths) -> Answe
         let sample = closures.sample(simd, first, wi, lobe, direction);
         for lane in 0..Lanes::<S>::COUNT {
             let has = |mask: LaneMask<S>| mask.bits() >> lane & 1 == 1;
-            let lobe = match (has(sample.smooth), has(sample.straight)) {
+            let lobe = match (has(sample.smooth), has(sample.null)) {
                 (true, _) => Lobe::Smooth,
                 (false, true) => Lobe::Null,
                 (false, false) => Lobe::Delta,
@@ -140,7 +140,7 @@ struct Lane<'a> {
     surface: SurfaceInteraction,
 }
 
-fn fill<'a>(closures: &mut ClosureLanes<'a>, lanes: &[Lane<'a>]) {
+fn fill<'a>(closures: &mut ClosureBatch<'a>, lanes: &[Lane<'a>]) {
     for (lane, Lane { material, surface }) in lanes.iter().enumerate() {
         let (materials, id) = (material.materials(), material.root);
         if materials.is_uniform(id) {
@@ -165,7 +165,7 @@ fn lanes_give_the_bits_of_hits_alone() {
                 let uv = random.next_vec2() * 3.0;
                 Lane { material, surface: SurfaceInteraction { uv, ..surface(wi) } }
             });
-            let mut closures = ClosureLanes::new(kind);
+            let mut closures = ClosureBatch::new(kind);
             fill(&mut closures, &lanes);
             for level in levels() {
                 let answers = with_lanes!(level, simd => answer(simd, &closures, &paths));
