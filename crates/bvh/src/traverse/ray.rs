@@ -103,7 +103,9 @@ fn max_component(vector: Vec3A) -> f32 {
 }
 
 /// For each non-empty set of axes, three axes in cyclic order that end with one of the set.
-static AXES: [[usize; 3]; 8] = {
+///
+/// Not a static: crates that use this one could not see that the axes are valid indices.
+const AXES: &[[usize; 3]; 8] = &{
     const X: [usize; 3] = [1, 2, 0];
     const Y: [usize; 3] = [2, 0, 1];
     const Z: [usize; 3] = [0, 1, 2];
