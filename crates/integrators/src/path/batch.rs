@@ -144,9 +144,6 @@ impl<'a> Batch<'a> {
     }
 
     /// Proposes light to the vertices.
-    ///
-    /// This is compiled apart from [`scatter`](Self::scatter): each of them holds the mathematics of
-    /// every kind of material, and the time to compile a function grows faster than its length.
     pub(super) fn propose_light(&mut self, step: Step<'_>) {
         self.pending.places = 0;
         if step.parameters.emitter_sampling && self.kind.has_smooth_lobe() {
