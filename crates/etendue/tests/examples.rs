@@ -1,4 +1,5 @@
 //! Every example runs, and does what it says.
+#![allow(clippy::disallowed_methods, reason = "tests write scene files and read pictures")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

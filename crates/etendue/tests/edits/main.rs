@@ -9,9 +9,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use etendue::document::{Document, NodeId, Value};
+use etendue::scene::SensorSetup;
 use etendue::{
-    Cancel, Loaded, LoadedScene, RenderJob, RenderOptions, SceneOptions, SensorChoice, Silent,
-    Workers, load_document, load_text,
+    Cancel, Loaded, LoadedScene, Region, RenderJob, RenderOptions, SceneOptions, SensorChoice,
+    Silent, Workers, load_document, load_text,
 };
 use scenes::{CountedFiles, files};
 
@@ -28,11 +29,14 @@ fn document_of(scene: &LoadedScene) -> Document {
     Document::clone(scene.document().expect("the scene is editable"))
 }
 
-/// The bits of a few samples of every sensor, all channels.
+/// The bits of a few samples of every sensor, all channels. Of large films a corner is enough: one
+/// without its parameters has half a million pixels.
 fn pictures(scene: &LoadedScene, workers: &Workers) -> Vec<Vec<u32>> {
-    let picture = |index: usize| {
+    let picture = |(index, setup): (usize, &SensorSetup)| {
+        let [width, height] = [setup.film.width.min(8), setup.film.height.min(6)];
         let options = RenderOptions {
             sensor: SensorChoice::Index(index),
+            region: Some(Region { x: 0, y: 0, width, height }),
             samples_per_pixel: Some(2),
             ..RenderOptions::default()
         };
@@ -41,7 +45,7 @@ fn pictures(scene: &LoadedScene, workers: &Workers) -> Vec<Vec<u32>> {
         let channels = rendering.picture.channels.iter();
         channels.flat_map(|channel| channel.data.iter().map(|value| value.to_bits())).collect()
     };
-    (0..scene.scene.sensors().len()).map(picture).collect()
+    scene.scene.sensors().iter().enumerate().map(picture).collect()
 }
 
 /// Panics unless the two are the same scene, or the same errors.
