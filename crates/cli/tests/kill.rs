@@ -1,6 +1,6 @@
-//! Kills renders with SIGKILL at random moments and resumes them until they finish. Each picture must
-//! equal that of an uninterrupted render, bit for bit. A kill may lose no more than the interval
-//! between checkpoints and the time to write one.
+//! Renders killed with SIGKILL at random moments and resumed until they are done, compared with an
+//! undisturbed render: every bit must be equal. The test prints what the kills cost, beyond the interval
+//! between checkpoints; it does not judge it, because a busy machine or a slow disk decides.
 #![allow(
     clippy::disallowed_methods,
     clippy::disallowed_macros,
@@ -26,24 +26,20 @@ use serde_json::Value;
 /// How many renders are killed and resumed; the environment variable `ETENDUE_KILLS` overrides it.
 const COUNT: u64 = 20;
 
-/// The delay that a busy machine may add to a measured loss: for nine kills in ten, and for any kill.
-const USUAL_DELAY: Duration = Duration::from_millis(50);
-const LONGEST_DELAY: Duration = Duration::from_secs(2);
-
-/// Intervals between checkpoints, in milliseconds. With the short ones, a checkpoint is being written
-/// nearly all the time.
+/// Intervals between checkpoints, in milliseconds. With the short ones, something is being written
+/// at nearly every moment.
 const INTERVALS: [u64; 4] = [5, 20, 100, 300];
 
 /// The name of the picture.
 const PICTURE: &str = "killed.pfm";
 
-/// A scene and its options.
+/// One kind of render.
 struct Case {
     scene: &'static str,
     options: &'static [&'static str],
 }
 
-/// Renders that take a few seconds on one thread. Together they cover all contents of a checkpoint.
+/// Renders of some seconds on one thread, of all that sums may hold.
 const CASES: [Case; 3] = [
     Case { scene: "cornell-box", options: &["--size", "96x96", "--spp", "96"] },
     Case { scene: "glass-and-metal", options: &["--size", "100x60", "--spp", "64", "--variance"] },
@@ -53,21 +49,21 @@ const CASES: [Case; 3] = [
     },
 ];
 
-/// Results over all kills.
+/// What all kills together showed.
 #[derive(Debug, Default)]
 struct Tally {
     kills: u64,
-    /// Kills during a write, recognised by the temporary file left behind.
+    /// Kills in the middle of a write, by what it left behind.
     during_writes: u64,
     before_the_first: u64,
     longest_loss: Duration,
     longest_write: Duration,
-    /// How much each loss exceeded the interval.
+    /// How far the loss of each kill went beyond the interval.
     excesses: Vec<Duration>,
 }
 
 #[test]
-#[ignore = "slow; `cargo test -- --include-ignored` runs it, ETENDUE_KILLS sets the number of renders"]
+#[ignore = "slow; `cargo test -- --include-ignored` runs it, and ETENDUE_KILLS says how often"]
 fn killed_renders_resume_to_the_same_picture() {
     let count = std::env::var("ETENDUE_KILLS").map_or(COUNT, |text| text.parse().unwrap());
     let workplace = Workplace::new();
@@ -84,20 +80,14 @@ fn killed_renders_resume_to_the_same_picture() {
         let index = (round % CASES.len() as u64) as usize;
         kill_one(&CASES[index], &workplace, &mut random, &mut tally);
         let scene = CASES[index].scene;
-        assert_eq!(workplace.files(), [PICTURE], "render {round} of {scene} left files behind");
+        assert_eq!(workplace.files(), [PICTURE], "render {round} of {scene} has left files");
         let is_equal = workplace.read(PICTURE) == expected[index];
-        assert!(is_equal, "render {round} of {scene} gave another picture");
+        assert!(is_equal, "render {round} of {scene} is another picture");
         fs::remove_file(workplace.path(PICTURE)).unwrap();
     }
     tally.excesses.sort();
     println!("{count} renders, all pictures equal; {tally:?}");
-    assert!(tally.kills >= count / 2, "most renders ended before they were killed");
-    // A kill loses at most the interval and one write. The duration of an unfinished write is unknown,
-    // so the longest finished one stands in for it.
-    let usual = tally.excesses[tally.excesses.len() * 9 / 10];
-    let longest = tally.excesses[tally.excesses.len() - 1];
-    assert!(usual <= tally.longest_write + USUAL_DELAY, "a tenth of the kills lost {usual:?} more");
-    assert!(longest <= tally.longest_write + LONGEST_DELAY, "a kill lost {longest:?} more");
+    assert!(tally.kills >= count / 2, "too few kills came before the end of their render");
 }
 
 /// Kills one render up to five times, then lets it finish.
@@ -127,19 +117,19 @@ fn kill_one(case: &Case, workplace: &Workplace, random: &mut TestRng, tally: &mu
     assert!(status.success(), "a render cannot be resumed");
 }
 
-/// When to kill a render.
+/// When a render is killed.
 #[derive(Clone, Copy, Debug)]
 enum Moment {
-    /// This long after its start, whether or not it has written a checkpoint.
+    /// This long after its start, with or without something to resume.
     AfterStart(Duration),
     /// This long after its first checkpoint.
     AfterCheckpoint(Duration),
 }
 
-/// When writing a checkpoint began and how long it took; `None` for the start of rendering.
+/// A checkpoint: when its writing began and how long it took; `None` for the start of rendering.
 type Checkpoint = (Instant, Option<Duration>);
 
-/// Receives the start of rendering and the checkpoints from the render's output.
+/// Hears when rendering starts and checkpoints are written.
 fn listen(child: &mut Child) -> Receiver<Checkpoint> {
     let output = child.stdout.take().unwrap();
     let (sender, receiver) = channel();
@@ -164,22 +154,22 @@ fn listen(child: &mut Child) -> Receiver<Checkpoint> {
     receiver
 }
 
-/// The effect of a kill.
+/// What a kill cost.
 struct Killed {
     loss: Duration,
-    /// Whether the render had written a checkpoint.
+    /// Whether there was a checkpoint.
     has_checkpoint: bool,
     longest_write: Duration,
 }
 
-/// Kills a render at some moment; `None` if it had already ended.
+/// Kills a render at some moment; `None` if it ended before.
 fn kill_after(
     child: &mut Child,
     moment: Moment,
     checkpoints: &Receiver<Checkpoint>,
 ) -> Option<Killed> {
     let Ok((started, _)) = checkpoints.recv() else {
-        assert!(child.wait().unwrap().success(), "a render failed");
+        assert!(child.wait().unwrap().success(), "a render has failed");
         return None;
     };
     let mut last = (started, None);
@@ -187,7 +177,7 @@ fn kill_after(
     let time = match moment {
         Moment::AfterStart(time) => time,
         Moment::AfterCheckpoint(time) => {
-            // The check below detects a render that ends before its first checkpoint.
+            // A render that ends before its first checkpoint is noticed below.
             last = checkpoints.recv().unwrap_or(last);
             time
         }
@@ -207,7 +197,7 @@ fn kill_after(
                 longest_write = longest_write.max(checkpoint.1.unwrap_or_default());
             }
             Err(RecvTimeoutError::Disconnected) => break,
-            Err(RecvTimeoutError::Timeout) => panic!("a killed render keeps its output open"),
+            Err(RecvTimeoutError::Timeout) => panic!("a killed render holds its output open"),
         }
     }
     let loss = killed.saturating_duration_since(last.0);

@@ -31,6 +31,9 @@ pub(crate) struct Arguments {
     /// How often both render every scene, in turns; all rounds count for the times
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
+    /// The folder of the seed scenes and of Mitsuba's render tests; left out where it is missing
+    #[arg(long, value_name = "FOLDER", default_value_os_t = root().join("../shared"))]
+    shared: PathBuf,
     /// Only scenes whose names contain this
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
@@ -44,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     let after = arguments.after.clone().map_or_else(build, Ok)?;
     let folder = root().join("target/bits");
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-    let mut cases = scenes::all()?;
+    let mut cases = scenes::all(&arguments.shared)?;
     cases.retain(|case| case.name.contains(&arguments.only));
     if cases.is_empty() {
         return Err(format!("no scene's name contains `{}`", arguments.only));

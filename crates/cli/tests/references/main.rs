@@ -1,16 +1,17 @@
-//! Compares whole pictures with references. Each scene and each way to render it is one test.
+//! Whole pictures beside references, one test for each scene and each way to render it.
 //!
 //! ```text
 //! cargo test -p etendue-cli --test references -- [NAME] [--include-ignored]
 //! ```
 //!
-//! - `scenes`: our own small scenes in the folder `scenes` beside this file.
-//! - `scenes_in_depth`: the same scenes with ten times as many samples; slow, so ignored by default.
-//! - `seeds`: the scenes of Etendue's predecessor; slow.
+//! - `scenes`: our own small scenes, from the folder `scenes` beside this file.
+//! - `scenes_in_depth`: the same with ten times as many samples; slow, so ignored unless asked for.
+//! - `seeds`: the scenes of the renderer that this one succeeds; slow.
 //! - `suite`: Mitsuba's own render tests; slow.
 //!
-//! The last two need files in `../shared`, which are not part of the repository. Without them, these
-//! tests are reported as ignored. A failed test leaves its pictures in `target/tmp/references`.
+//! The last two need files that are not in the repository, in `../shared` or where the environment
+//! variable `ETENDUE_SHARED` says. Without them, these tests are reported as ignored. A failed test
+//! leaves its pictures in `target/tmp/references`.
 #![allow(
     clippy::disallowed_methods,
     clippy::disallowed_macros,

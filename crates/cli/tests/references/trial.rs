@@ -1,4 +1,4 @@
-//! Helpers for all trials: locating files, running the command, and reporting missing files.
+//! What all trials share: where their files are, how the command is run, and how they are told.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,26 +7,28 @@ use libtest_mimic::{Completion, Failed, Trial};
 
 use crate::run::binary;
 
-/// A slow trial that needs a folder outside the repository. It is ignored if the folder is missing.
+/// A slow trial that needs a folder from outside the repository: ignored where it is missing.
 pub(crate) fn external(
     name: String,
-    folder: Option<PathBuf>,
+    folder: PathBuf,
     run: impl FnOnce(&Path) -> Result<(), String> + Send + 'static,
 ) -> Trial {
-    let trial = Trial::ignorable_test(name, move || match folder {
-        Some(folder) => run(&folder).map(|()| Completion::Completed).map_err(Failed::from),
-        None => Ok(Completion::ignored_with("its files are missing")),
+    let trial = Trial::ignorable_test(name, move || {
+        if !folder.is_dir() {
+            return Ok(Completion::ignored_with(format!("there is no {}", folder.display())));
+        }
+        run(&folder).map(|()| Completion::Completed).map_err(Failed::from)
     });
     trial.with_ignored_flag(true)
 }
 
-/// A folder in `../shared` beside the repository, if it exists.
-pub(crate) fn shared_folder(name: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared").join(name);
-    folder.is_dir().then_some(folder)
+/// A folder of `shared`, which is beside the repository or where `ETENDUE_SHARED` says.
+pub(crate) fn shared_folder(name: &str) -> PathBuf {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    std::env::var_os("ETENDUE_SHARED").map_or_else(beside, PathBuf::from).join(name)
 }
 
-/// The path of a file that a trial writes: in `target/tmp/references`, named after the trial.
+/// A place for a file that a trial writes: below `target/tmp/references`, named after the trial.
 pub(crate) fn output(trial: &str, suffix: &str) -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("references");
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;

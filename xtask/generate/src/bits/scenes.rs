@@ -26,14 +26,13 @@ const SEEDS: [(&str, &str); 7] = [
 /// How deep folders are searched for scenes.
 const MAX_DEPTH: u32 = 6;
 
-/// All scenes that are there.
+/// All scenes of the repository, and those of the folder `shared` that are there.
 ///
 /// # Errors
 /// If the table of the test scenes cannot be read.
-pub(super) fn all() -> Result<Vec<Case>, String> {
+pub(super) fn all(shared: &Path) -> Result<Vec<Case>, String> {
     let mut all = gallery();
     all.extend(test_scenes()?);
-    let shared = root().join("../shared");
     for (file, size) in SEEDS {
         let scene = shared.join("seed-scenes/testcases").join(file);
         if scene.is_file() {
@@ -119,7 +118,7 @@ mod tests {
 
     #[test]
     fn the_scenes_of_the_repository_are_found() {
-        let all = all().unwrap();
+        let all = all(Path::new("nowhere")).unwrap();
         let count = |start: &str| all.iter().filter(|case| case.name.starts_with(start)).count();
         assert!(count("scenes/") >= 9 && count("tests/") >= 60);
         assert!(all.iter().all(|case| case.scene.is_file()));
