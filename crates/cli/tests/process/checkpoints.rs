@@ -145,9 +145,9 @@ fn damaged_and_foreign_checkpoints_are_rejected() {
     let cases = [
         (flipped, "cannot resume"),
         (whole[..whole.len() / 2].to_vec(), "torn"),
-        (b"PF\n4 4\n".to_vec(), "no checkpoint"),
+        (b"PF\n4 4\n".to_vec(), "not a checkpoint"),
         (newer, "version 2"),
-        (Vec::new(), "no checkpoint"),
+        (Vec::new(), "not a checkpoint"),
     ];
     for (bytes, message) in cases {
         fs::write(workplace.path(CHECKPOINT), bytes).unwrap();
