@@ -29,8 +29,8 @@ const SAMPLING_INTERVAL: Duration = Duration::from_millis(500);
 /// The relative difference allowed between the peaks at the start and at the end.
 const TOLERANCE: f64 = 0.05;
 
-/// Renders with checkpoints and previews. Compares the peak resident set of the first quarter of the
-/// time (at most a minute) with that of an equally long period at the end.
+/// Renders with checkpoints and previews. Compares the peak resident set of the first quarter of
+/// the time (at most a minute) with that of an equally long period at the end.
 #[test]
 #[ignore = "slow; `cargo test -- --include-ignored` runs it for 2 minutes or ETENDUE_SOAK_MINUTES"]
 fn a_long_render_takes_constant_memory() {

@@ -26,8 +26,8 @@ pub(crate) struct Arguments {
     /// Scene files
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// Output file: exr, png, jpg, hdr, pfm, bmp or tiff by extension, part for the samples' sums, or
-    /// a folder. Repeat for several files [default: the scene's name with .exr and .png]
+    /// Output file: exr, png, jpg, hdr, pfm, bmp or tiff by extension, part for the samples' sums,
+    /// or a folder. Repeat for several files [default: the scene's name with .exr and .png]
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Samples per pixel; overrides the scene's value
@@ -36,8 +36,8 @@ pub(crate) struct Arguments {
     /// Stop after this time: 90s, 10m, 1h30m. Without --spp, take as many samples as fit
     #[arg(long, value_name = "TIME", value_parser = parsers::time)]
     time: Option<Duration>,
-    /// Render only some samples of each pixel, from index A to B - 1 or part I of N, and write a .part
-    /// file for `etendue merge` [default name: the scene's with .A-B.part or .I-of-N.part]
+    /// Render only some samples of each pixel, from index A to B - 1 or part I of N, and write a
+    /// .part file for `etendue merge` [default name: the scene's with .A-B.part or .I-of-N.part]
     #[arg(long, value_name = "A..B|I/N", value_parser = parsers::samples)]
     samples: Option<SampleChoice>,
     /// Seed of the random numbers
@@ -242,14 +242,14 @@ impl Host<'_> {
         let seconds = writer.seconds();
         let stopped = statistics.cancelled;
         // After a signal there may be little time left, so the checkpoint comes first.
-        let mut is_kept = stopped && writer.write_checkpoint();
+        let mut is_saved = stopped && writer.write_checkpoint();
         let rendering = run.job.develop(run.film, statistics, seconds);
         let mut status = self.workers.run(|| run.outputs.write_pictures(&rendering));
         if !stopped {
             status = status.max(run.outputs.write_parts(run.film, &run.job.record(seconds)));
             let is_safe = status == Status::Success;
             if !is_safe || self.arguments.checkpoints.keep_checkpoint {
-                is_kept = writer.write_checkpoint();
+                is_saved = writer.write_checkpoint();
             } else if let Some(checkpoint) = &run.checkpoint
                 && let Err(error) = checkpoint.remove()
             {
@@ -257,7 +257,7 @@ impl Host<'_> {
                 terminal::warning(&format!("cannot remove the obsolete {name}: {error}"));
             }
         }
-        if let Some(checkpoint) = run.checkpoint.as_ref().filter(|_| is_kept) {
+        if let Some(checkpoint) = run.checkpoint.as_ref().filter(|_| is_saved) {
             let name = checkpoint.path().display();
             self.say(&format!("{name} holds the samples: --resume continues from them"));
         }

@@ -1,8 +1,8 @@
-//! Runs the render farm scripts in `contrib` with the farms' own programs. Each picture must equal that
-//! of a single run, bit for bit.
+//! Runs the render farm scripts in `contrib` with the farms' own programs. Each picture must equal
+//! that of a single run, bit for bit.
 //!
-//! The tests are slow, so they run only with `--include-ignored`. A test is also reported as ignored if
-//! the farm's programs are not installed.
+//! The tests are slow, so they run only with `--include-ignored`. A test is also reported as
+//! ignored if the farm's programs are not installed.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
 mod openjd;

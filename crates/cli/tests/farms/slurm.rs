@@ -1,5 +1,5 @@
-//! Runs the scripts of `contrib/slurm` on a real Slurm, which the test starts (Debian's `slurm-wlm`, as
-//! root).
+//! Runs the scripts of `contrib/slurm` on a real Slurm, which the test starts (Debian's
+//! `slurm-wlm`, as root).
 
 use std::fs::{self, File};
 use std::io::ErrorKind;

@@ -10,8 +10,9 @@ use crate::run::{Outcome, Workplace, binary};
 /// A longer run counts as a hang, even for an unoptimised build on a busy machine.
 const TIME_LIMIT: Duration = Duration::from_secs(10);
 
-/// The address space of a run, in kilobytes. An allocation beyond it aborts the process. The threads'
-/// stacks and the file's actual size fit easily; the sizes that broken headers announce do not.
+/// The address space of a run, in kilobytes. An allocation beyond it aborts the process. The
+/// threads' stacks and the file's actual size fit easily; the sizes that broken headers announce do
+/// not.
 const MEMORY_LIMIT: u64 = 1 << 20;
 
 /// A scene that must be rejected.

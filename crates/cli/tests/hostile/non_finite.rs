@@ -7,8 +7,8 @@ use etendue::image::{Picture, decode_picture};
 use crate::case::Parts;
 use crate::run::{Outcome, Workplace};
 
-/// Renders a light that fills the film and has a texture of 2 by 2 texels. The broken texel covers the
-/// lower left quarter.
+/// Renders a light that fills the film and has a texture of 2 by 2 texels. The broken texel covers
+/// the lower left quarter.
 fn render(broken: f32) -> (Workplace, Outcome) {
     let workplace = Workplace::new();
     let texels = [1.0, 2.0, broken, 4.0].map(f32::to_le_bytes);

@@ -1,5 +1,5 @@
-//! The table of test scenes, `scenes/cases.txt`. The tests, `cargo xtask references` and `cargo xtask
-//! bits` read it.
+//! The table of test scenes, `scenes/cases.txt`. Besides the tests, `cargo xtask references` and
+//! `cargo xtask bits` read it.
 
 use std::path::Path;
 

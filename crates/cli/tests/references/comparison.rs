@@ -24,8 +24,8 @@ pub(crate) struct Difference {
     pub(crate) mean: f64,
     /// The difference of means in standard errors, for the channel where it is largest.
     pub(crate) mean_errors: f64,
-    /// The percentage of blocks of 8×8 pixels that differ by more than four standard errors and by more
-    /// than 2 %.
+    /// The percentage of blocks of 8×8 pixels that differ by more than four standard errors and by
+    /// more than 2 %.
     pub(crate) blocks: f64,
     /// The percentage of pixel channels that pass the z-test.
     pub(crate) accepted: f64,
@@ -109,8 +109,8 @@ impl Measured {
         Ok(Self { mean, variance })
     }
 
-    /// Raises each variance to at least the mean of the 5×5 pixels around it. A pixel that no rare bright
-    /// path has hit yet underestimates its variance, but its neighbours show it.
+    /// Raises each variance to at least the mean of the 5×5 pixels around it. A pixel that no rare
+    /// bright path has hit yet underestimates its variance, but its neighbours show it.
     pub(crate) fn with_smooth_variance(mut self) -> Self {
         let (width, height) = (self.variance.width as usize, self.variance.height as usize);
         let around = |place: usize, end: usize| place.saturating_sub(2)..(place + 3).min(end);

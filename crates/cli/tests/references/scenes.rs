@@ -1,6 +1,6 @@
-//! Compares our own small scenes with stored references, which another integrator has rendered, or with
-//! closed-form solutions. The table `scenes/cases.txt` lists scenes and options; `scenes/README.md`
-//! says how to render the references again.
+//! Compares our own small scenes with stored references, which another integrator has rendered, or
+//! with closed-form solutions. The table `scenes/cases.txt` lists scenes and options;
+//! `scenes/README.md` says how to render the references again.
 
 use std::path::{Path, PathBuf};
 
@@ -68,8 +68,8 @@ impl Row {
     }
 
     /// Renders the scene. For `ptracer`, estimates the variance from several renders, because the
-    /// variances that it writes leave out particles: a pixel does not know which of them belong to the
-    /// same sample.
+    /// variances that it writes leave out particles: a pixel does not know which of them belong to
+    /// the same sample.
     fn render(&self, name: &str, variant: &[String], samples: usize) -> Result<Measured, String> {
         let file = output(name, ".exr")?;
         let scene = folder().join(format!("{}.xml", self.scene));
@@ -118,8 +118,8 @@ impl Row {
     }
 }
 
-/// Reads a stored reference. It holds standard errors, because variances may exceed the range of half
-/// floats.
+/// Reads a stored reference. It holds standard errors, because variances may exceed the range of
+/// half floats.
 fn read_stored(path: &Path) -> Result<Measured, String> {
     let picture = comparison::read(path)?;
     let errors = comparison::layer(&picture, "error")

@@ -1,5 +1,5 @@
-//! Compares the scenes of Etendue's predecessor with references rendered by Mitsuba. The files are not
-//! part of the repository; they are expected in `../shared/seed-scenes`.
+//! Compares the scenes of Etendue's predecessor with references rendered by Mitsuba. The files are
+//! not part of the repository; they are expected in `../shared/seed-scenes`.
 
 use std::path::Path;
 
@@ -13,8 +13,7 @@ struct Seed {
     file: &'static str,
     reference: &'static str,
     size: &'static str,
-    /// Samples per pixel: enough to resolve one percent, and to estimate the variance of caustics, which
-    /// few samples miss.
+    /// Samples per pixel: enough to resolve one percent, and to estimate the variance of caustics.
     samples: &'static str,
 }
 

@@ -1,5 +1,5 @@
-//! Mitsuba's own render tests, with its own criterion and a stricter one. The files are not part of the
-//! repository; they are expected in `../shared/mitsuba-suite`.
+//! Mitsuba's own render tests, with its own criterion and a stricter one. The files are not part of
+//! the repository; they are expected in `../shared/mitsuba-suite`.
 //!
 //! A scene is a file `NAME_INTEGRATOR.xml` beside `refs/NAME_ref_rgb.exr` and
 //! `refs/NAME_ref_rgb_var.exr`. The test sets its parameters `$spp` and `$integrator`.

@@ -2,8 +2,8 @@
 //! correction, and a share of pixels that may fail.
 //!
 //! A channel of a pixel fails if the difference of the means is too unlikely given their variances.
-//! The test uses CIE XYZ. As in Mitsuba's reference files, the RGB variances are converted to XYZ with
-//! the colour matrix itself; the result is close to the upper bound over all correlations.
+//! The test uses CIE XYZ. As in Mitsuba's reference files, the RGB variances are converted to XYZ
+//! with the colour matrix itself; the result is close to the upper bound over all correlations.
 
 use etendue::image::ColorImage;
 use etendue_testkit::special::normal_tail;
