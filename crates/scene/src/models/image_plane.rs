@@ -59,6 +59,20 @@ pub(crate) struct View {
 }
 
 impl View {
+    /// The film position of a point, and the importance of a path to it: the reverse of a camera ray.
+    /// `path` leads from the lens to the point in camera space, `focus` to its image at distance one.
+    ///
+    /// The film's unit square covers A = 4·halfwidth·halfheight at distance one. A solid angle dω at an
+    /// angle θ from the axis covers dω / (A cos³θ) of it. A power I per solid angle at a distance r adds a
+    /// radiance of I/r² over that part.
+    pub(crate) fn film_point(&self, path: Vec3, focus: Vec2) -> Option<(Vec2, f32)> {
+        let half_size = self.half_size.as_vec2();
+        let place = (Vec2::ONE - focus / half_size) * 0.5 - self.shift.as_vec2();
+        let cosine = path.z / path.length();
+        let area = 4.0 * half_size.x * half_size.y;
+        (path.z > 0.0).then(|| (place, 1.0 / (area * cosine.powi(3))))
+    }
+
     /// The camera-space direction of a film position, at z = 1.
     fn direction(&self, film_position: DVec2) -> DVec3 {
         (self.half_size * (1.0 - 2.0 * (film_position + self.shift))).extend(1.0)

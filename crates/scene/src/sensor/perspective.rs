@@ -8,7 +8,7 @@ use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::inputs::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use crate::manual::{Manual, parameter};
-use crate::models::connection::{Connection, pinhole};
+use crate::models::connection::Connection;
 use crate::models::image_plane::{ImagePlane, View};
 use etendue_document::Parameters;
 use etendue_math::lanes::{Lanes, Real, Simd, Vector2, Vector3};
@@ -98,7 +98,8 @@ impl SensorModel for Perspective {
     /// The reverse of [`Self::ray`].
     fn connect(&self, point: Vec3, _aperture: Vec2) -> Option<Connection> {
         let local = self.common.to_world.inverse_point(point);
-        let (film_position, importance) = pinhole(&self.view, local, local.truncate() / local.z)?;
+        let (film_position, importance) =
+            self.view.film_point(local, local.truncate() / local.z)?;
         self.common.connection(point, (self.origin, local.z), (film_position, importance))
     }
 

@@ -8,7 +8,7 @@ use crate::builder::Builder;
 use crate::film::FilmSpec;
 use crate::inputs::field_of_view::{FOCAL_LENGTH, FOV, FOV_AXIS, read_half_size};
 use crate::manual::{Manual, parameter};
-use crate::models::connection::{Connection, pinhole};
+use crate::models::connection::Connection;
 use crate::models::image_plane::{ImagePlane, View};
 use etendue_document::{Fault, Parameters};
 use etendue_math::Ray;
@@ -128,7 +128,7 @@ impl SensorModel for ThinLens {
         let path = local - lens;
         // The film shows what lies in focus, at this share of the focus distance.
         let focus = lens.truncate() / self.lens.focus_distance as f32 + path.truncate() / path.z;
-        let (film_position, importance) = pinhole(&self.view, path, focus)?;
+        let (film_position, importance) = self.view.film_point(path, focus)?;
         let origin = self.centre + self.aperture[0] * disk.x + self.aperture[1] * disk.y;
         self.common.connection(point, (origin, path.z), (film_position, importance))
     }
