@@ -7,7 +7,7 @@ macro_rules! typed_ids {
         pub struct $name(pub u32);
 
         impl $name {
-            /// The position in the scene's vector.
+            /// The index into the scene's vector.
             #[inline]
             #[must_use]
             pub fn index(self) -> usize {
@@ -18,18 +18,18 @@ macro_rules! typed_ids {
 }
 
 typed_ids! {
-    /// A shape: something that rays hit, with one material.
+    /// A shape: a surface with one material.
     ShapeId,
     /// A material: how a surface scatters light, with its textures.
     MaterialId,
     /// A texture: a quantity that varies over a surface.
     TextureId,
-    /// An emitter: where light comes from.
+    /// An emitter: a source of light.
     EmitterId,
     /// A shape group: shapes that instances place in the scene.
     GroupId,
-    /// A shape group that has been placed in the scene.
+    /// A placed instance of a shape group.
     InstanceId,
-    /// A medium: what fills the space between surfaces.
+    /// A medium: the matter that fills the space between surfaces.
     MediumId,
 }

@@ -1,4 +1,4 @@
-//! What plugins read beside parameters of their own: files, and parameters that several plugins share.
+//! Inputs shared by plugins: files, and parameters that several plugins accept.
 
 pub(crate) mod curve_file;
 pub(crate) mod ellipsoid_file;

@@ -1,23 +1,23 @@
-//! What is known where a ray has met a surface.
+//! What is known about the point where a ray hits a surface.
 
 use crate::ids::{InstanceId, ShapeId};
 use etendue_math::lanes::{Real, Vector3};
 use etendue_math::{Frame, Ray, offset_ray_origin};
 use glam::{Vec2, Vec3};
 
-/// A point on a surface, with everything that materials, textures and emitters ask about it.
-/// All vectors are in world space except [`wi`](Self::wi).
+/// A point on a surface, with everything that materials, textures and emitters need. All vectors
+/// are in world space except [`wi`](Self::wi).
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction {
     /// The point.
     pub point: Vec3,
-    /// A bound of the absolute error of each coordinate of `point`.
+    /// A bound on the absolute error of each coordinate of `point`.
     pub error: Vec3,
     /// The ray parameter of the hit.
     pub t: f32,
-    /// The unit geometric normal, on the side that the shape calls its front.
+    /// The unit geometric normal, on the front side of the shape.
     pub normal: Vec3,
-    /// The shading frame; its `n` is on the side of [`normal`](Self::normal).
+    /// The shading frame; its `n` is on the same side as [`normal`](Self::normal).
     pub shading: Frame,
     /// Surface coordinates.
     pub uv: Vec2,
@@ -25,20 +25,20 @@ pub struct SurfaceInteraction {
     pub dp_du: Vec3,
     /// ∂point/∂v.
     pub dp_dv: Vec3,
-    /// The unit direction that the path came from, away from the surface, in the shading frame.
+    /// The unit direction towards the previous vertex of the path, in the shading frame.
     pub wi: Vec3,
     /// The shape.
     pub shape: ShapeId,
-    /// Which of the shape's primitives (triangles) was hit.
+    /// The index of the primitive (triangle) that was hit.
     pub primitive: u32,
-    /// Barycentric coordinates of the second and third vertex, where the primitive is a triangle.
+    /// Barycentric coordinates of the second and third vertex, for triangles.
     pub barycentric: Vec2,
-    /// The instance through which the shape was hit.
+    /// The instance that contains the shape, if any.
     pub instance: Option<InstanceId>,
 }
 
 impl SurfaceInteraction {
-    /// Surface coordinates alone, for textures that are evaluated without a surface.
+    /// An interaction with surface coordinates only, to evaluate textures without a surface.
     #[must_use]
     pub fn at_uv(uv: Vec2, shading: Frame) -> Self {
         Self {
@@ -58,21 +58,21 @@ impl SurfaceInteraction {
         }
     }
 
-    /// World to shading coordinates.
+    /// Transforms a vector from world to shading coordinates.
     #[inline(always)]
     #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         self.shading.to_local(v)
     }
 
-    /// Shading to world coordinates.
+    /// Transforms a vector from shading to world coordinates.
     #[inline(always)]
     #[must_use]
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.shading.to_world(v)
     }
 
-    /// An unbounded ray that leaves the surface towards the world direction `direction`.
+    /// An unbounded ray that leaves the surface along the world-space `direction`.
     #[inline(always)]
     #[must_use]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
@@ -80,16 +80,17 @@ impl SurfaceInteraction {
     }
 }
 
-/// Where on a surface a ray arrives, before the frame and coordinates that the caller may not need.
+/// The point where a ray hits a surface, without the frame and derivatives that callers may not
+/// need.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     /// The point.
     pub point: Vec3,
-    /// A bound of the absolute error of each coordinate of `point`.
+    /// A bound on the absolute error of each coordinate of `point`.
     pub error: Vec3,
     /// The unit geometric normal.
     pub normal: Vec3,
-    /// The shading normal: unit, or the geometric one.
+    /// The shading normal: unit length, or equal to the geometric normal.
     pub shading_normal: Vec3,
     /// Surface coordinates.
     pub uv: Vec2,
@@ -99,25 +100,27 @@ pub struct SurfacePoint {
     pub dp_dv: Vec3,
 }
 
-/// A point sampled on a shape, for light.
+/// A point sampled on a shape that emits light.
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeSample {
     /// The point.
     pub point: Vec3,
-    /// A bound of the absolute error of each coordinate of `point`.
+    /// A bound on the absolute error of each coordinate of `point`.
     pub error: Vec3,
     /// The unit geometric normal.
     pub normal: Vec3,
-    /// The shading normal, which decides which side sends out light.
+    /// The shading normal; it decides which side emits.
     pub shading_normal: Vec3,
     /// Surface coordinates.
     pub uv: Vec2,
-    /// The density: by area from [`Shape::sample_area`](crate::shape::Shape::sample_area), in solid angle from [`Shape::sample_direction`](crate::shape::Shape::sample_direction).
+    /// The density: per area from [`Shape::sample_area`](crate::shape::Shape::sample_area), per
+    /// solid angle from [`Shape::sample_direction`](crate::shape::Shape::sample_direction).
     pub pdf: f32,
 }
 
 impl ShapeSample {
-    /// What textures ask about the point, seen along `wi`, which points away from it.
+    /// The interaction for texture look-ups at this point, seen along `wi`, which points away from
+    /// it.
     #[must_use]
     pub fn interaction(&self, shape: ShapeId, wi: Vec3) -> SurfaceInteraction {
         let shading = Frame::from_normal(self.shading_normal);
@@ -129,23 +132,23 @@ impl ShapeSample {
         }
     }
 
-    /// The unit geometric normal on the side where the shading normal points, which sends out light.
+    /// The unit geometric normal on the emitting side, which is that of the shading normal.
     #[must_use]
     pub fn front(&self) -> Vec3 {
         self.normal * 1.0_f32.copysign(self.normal.dot(self.shading_normal))
     }
 
-    /// The same, taken apart and put together again. What a call returns lies in memory; where it meets
-    /// a value computed in place, the compiler would put that there too, piece by piece, and read it
-    /// back in larger pieces, which the processor cannot forward: 3 % of a render.
+    /// Takes the value apart and rebuilds it, so that it stays in registers. Otherwise the compiler
+    /// stores it to memory piece by piece, to merge it with the in-memory result of a call, and
+    /// reads it back in larger pieces. That defeats store forwarding and cost 3 % of a render.
     #[inline(always)]
     pub(crate) fn in_registers(self) -> Self {
         let Self { point, error, normal, shading_normal, uv, pdf } = self;
         Self { point, error, normal, shading_normal, uv, pdf }
     }
 
-    /// The same point with its density per area turned into one per solid angle seen from
-    /// `reference`; `None` where the surface is seen edge-on or the points coincide.
+    /// Converts the density from per area to per solid angle seen from `reference`; `None` if the
+    /// surface is edge-on or the points coincide.
     #[inline(always)]
     #[must_use]
     pub fn seen_from(self, reference: Vec3) -> Option<Self> {
@@ -154,8 +157,8 @@ impl ShapeSample {
     }
 }
 
-/// Turns a density per area at the end of `path`, on a surface with the unit `normal`, into one per
-/// solid angle at its start; `None` where it is not finite.
+/// Converts a density per area to one per solid angle. `path` leads from the reference point to a
+/// surface with the unit `normal`. Returns `None` if the result is not finite.
 #[inline(always)]
 #[must_use]
 pub fn area_to_solid_angle(pdf: f32, path: Vec3, normal: Vec3) -> Option<f32> {
@@ -163,7 +166,7 @@ pub fn area_to_solid_angle(pdf: f32, path: Vec3, normal: Vec3) -> Option<f32> {
     exists.then_some(pdf)
 }
 
-/// As [`area_to_solid_angle`], over any [`Real`]; the mask says where the density is finite.
+/// Like [`area_to_solid_angle`], for any [`Real`]; the mask tells where the density is finite.
 #[inline(always)]
 #[must_use]
 pub fn area_to_solid_angle_lanes<R: Real>(
@@ -178,7 +181,7 @@ pub fn area_to_solid_angle_lanes<R: Real>(
 }
 
 impl SurfacePoint {
-    /// As [`ShapeSample::in_registers`].
+    /// See [`ShapeSample::in_registers`].
     #[inline(always)]
     pub(crate) fn in_registers(self) -> Self {
         let Self { point, error, normal, shading_normal, uv, dp_du, dp_dv } = self;

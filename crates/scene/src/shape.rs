@@ -1,11 +1,11 @@
-//! Shapes: what rays hit.
+//! Shapes: surfaces that rays can hit.
 //!
 //! # Contract
-//! - Geometry is in world space, but for the shapes of a group, which are in the group's space.
-//! - `u` and `v`, and the side that is the front (where the geometric normal points), are Mitsuba's.
-//! - A hit carries barycentric coordinates, or whatever two numbers its shape needs to give a
-//!   [`SurfaceInteraction`]; that is computed once, for the nearest hit only.
-//! - Sampled points are uniform in area unless a shape can do better seen from a point.
+//! - Geometry is in world space. Shapes of a group are in the group's space.
+//! - `u`, `v` and the front side (where the geometric normal points) follow Mitsuba.
+//! - A hit carries barycentric coordinates, or any two numbers from which its shape can compute a
+//!   [`SurfaceInteraction`]. That is computed once, for the nearest hit only.
+//! - Sampled points are uniform in area unless a shape can do better as seen from a point.
 
 pub mod bsplinecurve;
 pub mod cube;
@@ -40,23 +40,23 @@ use etendue_math::{Bounds3, Frame, Ray};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// A shape of the scene with what it is made of.
+/// A shape of the scene with its material and emitter.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// Where it is.
+    /// The geometry.
     pub geometry: Geometry,
-    /// How it scatters light.
+    /// The material.
     pub material: MaterialId,
-    /// The light it sends out.
+    /// The emitter, if the shape emits light.
     pub emitter: Option<EmitterId>,
 }
 
-/// The list of shapes with geometry of their own: one line is one plugin, its XML `type`, which is its
-/// module as well, and its type in that module, which is a [`ShapeModel`].
+/// The list of shapes with their own geometry. Each line is one plugin: its XML `type`, which is
+/// also its module, and the type in that module that implements [`ShapeModel`].
 ///
-/// - `plain` shapes are small; `shared` ones are not: clones share them.
-/// - `meshes` become triangles: they build a [`Mesh`].
-/// - `composites` are made of other shapes; the scene's builder resolves them.
+/// - `plain` shapes are small. `shared` shapes are large, so clones share them.
+/// - `meshes` build a [`Mesh`] of triangles.
+/// - `composites` consist of other shapes; the scene's builder resolves them.
 macro_rules! shape_list {
     ($macro:ident) => {
         $macro! {
@@ -89,45 +89,45 @@ macro_rules! shape_list {
     };
 }
 
-/// What a shape plugin computes; see the module's contract.
+/// The operations of a shape plugin; see the module's contract.
 pub(crate) trait ShapeModel {
-    /// The box around all of it.
+    /// The bounding box of the whole shape.
     fn bounds(&self) -> Bounds3;
 
-    /// The boxes around the primitives that the shape intersects itself: one around it all, unless it
-    /// has several. Triangles have none.
+    /// The bounding boxes of the primitives that the shape intersects itself: one for the whole
+    /// shape, unless it has several. None for triangles.
     fn primitive_boxes(&self) -> Vec<Bounds3> {
         vec![self.bounds()]
     }
 
-    /// How many primitives there are.
+    /// The number of primitives.
     fn primitive_count(&self) -> usize {
         1
     }
 
-    /// Where `ray` meets a primitive first.
+    /// The nearest intersection of `ray` with a primitive.
     fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit>;
 
-    /// Whether `ray` meets a primitive at all, which may be quicker to find out than where.
+    /// Whether `ray` hits a primitive at all, which may be cheaper than finding where.
     fn occludes(&self, primitive: u32, ray: &Ray) -> bool {
         self.intersect(primitive, ray).is_some()
     }
 
-    /// Where `ray` arrives.
+    /// The surface point that `ray` hits.
     fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
 
-    /// Whether the shape has to be made ready before it is sampled as a light.
+    /// Whether the shape must be prepared before it is sampled as a light.
     const PREPARES_SAMPLING: bool = false;
 
-    /// Makes the shape ready to be sampled as a light, if [that](Self::PREPARES_SAMPLING) takes anything.
+    /// Prepares the shape for sampling as a light, if [required](Self::PREPARES_SAMPLING).
     fn prepare_sampling(&mut self) {}
 
-    /// The area; zero for shapes that are not sampled as lights.
+    /// The area; zero for shapes that cannot be sampled as lights.
     fn area(&self) -> f32 {
         0.0
     }
 
-    /// A point uniform in area, or as its picture has it; none where shapes are not sampled as lights.
+    /// Samples a point uniform in area, or by its texture; `None` if the shape cannot be sampled.
     fn sample_area(&self, _random: Vec2) -> Option<ShapeSample> {
         None
     }
@@ -137,7 +137,7 @@ pub(crate) trait ShapeModel {
         1.0 / self.area()
     }
 
-    /// See [`Shape::sample_direction`]; a point uniform in area unless the shape can do better.
+    /// See [`Shape::sample_direction`]; uniform in area unless the shape can do better.
     fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
         self.sample_area(random)?.seen_from(reference)
     }
@@ -148,13 +148,13 @@ pub(crate) trait ShapeModel {
         area_to_solid_angle(self.pdf_area(surface), path, surface.normal).unwrap_or(0.0)
     }
 
-    /// Bytes of memory held beside the shape itself.
+    /// Memory use in bytes, excluding the shape itself.
     fn memory_bytes(&self) -> usize {
         0
     }
 }
 
-/// Makes the enum of geometry, its dispatch and the registry from the list.
+/// Generates the enum of geometries, its dispatch and the registry from the list.
 macro_rules! shapes {
     (
         plain { $($module:ident => $name:ident;)* }
@@ -162,7 +162,7 @@ macro_rules! shapes {
         meshes { $($mesh:ident;)* }
         composites { $($composite:ident;)* }
     ) => {
-        /// The kinds of geometry. What is large is shared by its clones.
+        /// The kinds of geometry. Clones share large data.
         #[derive(Clone, Debug)]
         pub enum Geometry {
             /// Triangles.
@@ -172,7 +172,7 @@ macro_rules! shapes {
             $shared(Arc<$shared_module::$shared>),)*
         }
 
-        /// Every shape with geometry of its own.
+        /// Every shape with its own geometry.
         pub static SHAPES: &[Plugin<BuildGeometry>] = &[
             $(plugin(stringify!($module), &$module::MANUAL, |assets, parameters| {
                 $module::build(assets, parameters).map(Geometry::$name)
@@ -186,7 +186,7 @@ macro_rules! shapes {
             }),)*
         ];
 
-        /// The shapes that are made of others: their names and pages.
+        /// The names and manual pages of the shapes that consist of other shapes.
         pub static COMPOSITE_SHAPES: &[Plugin<()>] =
             &[$(plugin(stringify!($composite), &$composite::MANUAL, ())),*];
 
@@ -205,7 +205,7 @@ macro_rules! shapes {
         }
 
         impl Geometry {
-            /// Makes the shape ready to be a light.
+            /// Prepares the shape for sampling as a light.
             pub fn prepare_sampling(&mut self) {
                 match self {
                     Self::Mesh(mesh) => ShapeModel::prepare_sampling(mesh),
@@ -223,7 +223,7 @@ macro_rules! shapes {
 
 shape_list!(shapes);
 
-/// Builds the geometry of a shape. Only this step reads files, so that it can run in parallel.
+/// Builds the geometry of a shape. Only this step reads files, so it can run in parallel.
 pub type BuildGeometry = fn(&Assets<'_>, &Parameters<'_>) -> Option<Geometry>;
 
 impl ShapeModel for Mesh {
@@ -231,7 +231,7 @@ impl ShapeModel for Mesh {
         self.bounds()
     }
 
-    /// The tree knows the triangles.
+    /// The tree stores the triangles.
     fn primitive_boxes(&self) -> Vec<Bounds3> {
         Vec::new()
     }
@@ -270,49 +270,49 @@ impl ShapeModel for Mesh {
     }
 }
 
-/// The box around several primitives.
+/// The union of the primitives' bounding boxes.
 fn union(boxes: Vec<Bounds3>) -> Bounds3 {
     boxes.into_iter().fold(Bounds3::EMPTY, Bounds3::union)
 }
 
 impl Geometry {
-    /// The box around all of it.
+    /// The bounding box of the whole shape.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         with_shape!(self, shape => ShapeModel::bounds(shape))
     }
 
-    /// The boxes around the primitives that the shape intersects itself; none for triangles.
+    /// The bounding boxes of the primitives that the shape intersects itself; none for triangles.
     #[must_use]
     pub fn primitive_boxes(&self) -> Vec<Bounds3> {
         with_shape!(self, shape => ShapeModel::primitive_boxes(shape))
     }
 
-    /// How many triangles or other primitives there are.
+    /// The number of triangles or other primitives.
     #[must_use]
     pub fn primitive_count(&self) -> usize {
         with_shape!(self, shape => ShapeModel::primitive_count(shape))
     }
 
-    /// Where `ray` meets a primitive that the shape intersects itself.
+    /// The nearest intersection of `ray` with a primitive that the shape intersects itself.
     #[inline]
     pub(crate) fn intersect(&self, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
         with_shape!(self, shape => ShapeModel::intersect(shape, primitive, ray))
     }
 
-    /// Whether `ray` meets a primitive that the shape intersects itself.
+    /// Whether `ray` hits a primitive that the shape intersects itself.
     #[inline]
     pub(crate) fn occludes(&self, primitive: u32, ray: &Ray) -> bool {
         with_shape!(self, shape => ShapeModel::occludes(shape, primitive, ray))
     }
 
-    /// Where `ray` arrives.
+    /// The surface point that `ray` hits.
     #[inline(never)]
     fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         with_shape!(self, shape => ShapeModel::surface_point(shape, ray, hit))
     }
 
-    /// Bytes of memory held beside the geometry itself.
+    /// Memory use in bytes, excluding the geometry itself.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         with_shape!(self, shape => ShapeModel::memory_bytes(shape))
@@ -320,7 +320,7 @@ impl Geometry {
 }
 
 impl Shape {
-    /// Everything that is known where `ray` has met this shape.
+    /// Computes the full interaction where `ray` hits this shape.
     #[inline(always)]
     #[must_use]
     pub fn interaction(&self, id: ShapeId, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
@@ -346,29 +346,30 @@ impl Shape {
         }
     }
 
-    /// The box around the shape.
+    /// The bounding box of the shape.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.geometry.bounds()
     }
 
-    /// The area of the surface; zero for shapes that are not sampled as lights.
+    /// The surface area; zero for shapes that cannot be sampled as lights.
     #[must_use]
     pub fn area(&self) -> f32 {
         with_shape!(&self.geometry, shape => ShapeModel::area(shape))
     }
 
-    /// A point uniform in area.
+    /// Samples a point uniform in area.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
         with_shape!(&self.geometry, shape => ShapeModel::sample_area(shape, random))
     }
 
-    /// A point of the surface as seen from `reference`, with its density in solid angle there.
+    /// Samples a point of the surface as seen from `reference`, with its density in solid angle
+    /// there.
     #[inline(always)]
     #[must_use]
     pub fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
-        // Most lights are rectangles.
+        // A fast path: most lights are rectangles.
         if let Geometry::Mesh(mesh) = &self.geometry
             && let Some(sample) = mesh.sample_parallelogram(random)
         {
@@ -382,15 +383,15 @@ impl Shape {
         with_shape!(&self.geometry, shape => ShapeModel::sample_direction(shape, reference, random))
     }
 
-    /// The density in solid angle with which [`Self::sample_direction`] chooses a point of the
-    /// surface that is known.
+    /// The density in solid angle with which [`Self::sample_direction`] chooses a given point of
+    /// the surface.
     #[inline]
     #[must_use]
     pub fn pdf_direction(&self, reference: Vec3, surface: &SurfaceInteraction) -> f32 {
         with_shape!(&self.geometry, shape => ShapeModel::pdf_direction(shape, reference, surface))
     }
 
-    /// How many triangles or other primitives the shape has.
+    /// The number of triangles or other primitives.
     #[must_use]
     pub fn primitive_count(&self) -> usize {
         self.geometry.primitive_count()

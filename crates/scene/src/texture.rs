@@ -1,10 +1,10 @@
-//! Textures: quantities that vary over a surface, and the slots of materials that take them.
+//! Textures: quantities that vary over a surface, and the material parameters that take them.
 //!
 //! # Contract
-//! - A texture is read at most once per hit and slot, while a material is prepared.
-//! - Colours are linear Rec.709 [`Spectrum`]s; scalars of a colour texture are its luminance.
-//! - `u` and `v` of a bitmap are Mitsuba's: (0, 0) is the left upper corner of the picture, and v
-//!   runs down. Shapes make up for it where their files count from below, as OBJ does.
+//! - A texture is evaluated at most once per hit and parameter, while a material is prepared.
+//! - Colours are linear Rec.709 [`Spectrum`]s. The scalar of a colour texture is its luminance.
+//! - `u` and `v` of a bitmap follow Mitsuba: (0, 0) is the upper left corner, and v runs down.
+//!   Shapes convert from file formats that count from below, such as OBJ.
 
 pub mod bitmap;
 pub mod checkerboard;
@@ -25,8 +25,8 @@ use etendue_spectrum::Spectrum;
 use glam::Vec2;
 use std::sync::Arc;
 
-/// The list of textures: one line is one plugin, its XML `type`, which is its module as well, and what
-/// the scene holds of it, which is a [`TextureModel`].
+/// The list of textures. Each line is one plugin: its XML `type`, which is also its module, and its
+/// type in the scene, which implements [`TextureModel`].
 macro_rules! texture_list {
     ($macro:ident) => {
         $macro! {
@@ -41,7 +41,7 @@ macro_rules! texture_list {
     };
 }
 
-/// What a texture plugin computes; see the module's contract.
+/// The operations of a texture plugin; see the module's contract.
 pub(crate) trait TextureModel {
     /// See [`Textures::eval`].
     fn eval(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> Spectrum;
@@ -51,7 +51,7 @@ pub(crate) trait TextureModel {
         self.eval(textures, surface).luminance()
     }
 
-    /// See [`Textures::gradient`]; zero where the texture is constant around nearly all points.
+    /// See [`Textures::gradient`]; zero if the texture is piecewise constant.
     fn gradient(&self, _textures: Textures<'_>, _surface: &SurfaceInteraction) -> Vec2 {
         Vec2::ZERO
     }
@@ -64,18 +64,18 @@ pub(crate) trait TextureModel {
         0
     }
 
-    /// The texels of the picture that the texture shows, if it shows one.
+    /// The texels of the picture that the texture uses, if any.
     fn texels(&self) -> Option<&Arc<Texels>> {
         None
     }
 
-    /// The grid that the texture shows, if it shows one.
+    /// The grid that the texture uses, if any.
     fn grid(&self) -> Option<&Arc<GridVolume>> {
         None
     }
 }
 
-/// Makes the enum of textures, its dispatch and the registry from the list.
+/// Generates the enum of textures, its dispatch and the registry from the list.
 macro_rules! textures {
     ($($module:ident => $name:ident($type:ty);)*) => {
         /// A texture of the scene.
@@ -108,25 +108,25 @@ texture_list!(textures);
 pub type BuildTexture = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Texture>;
 
 impl Texture {
-    /// Bytes of memory held beside the texture itself, but for a picture's texels and a volume's grid,
-    /// which others may hold as well.
+    /// Memory use in bytes, excluding the texture itself and data that may be shared: a picture's
+    /// texels and a volume's grid.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         with_texture!(self, texture => TextureModel::memory_bytes(texture))
     }
 
-    /// The texels of the picture that the texture shows, if it shows one.
+    /// The texels of the picture that the texture uses, if any.
     pub(crate) fn texels(&self) -> Option<&Arc<Texels>> {
         with_texture!(self, texture => TextureModel::texels(texture))
     }
 
-    /// Adds the grid that the texture shows, if it shows one.
+    /// Adds the grid that the texture uses, if any.
     pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
         grids.extend(with_texture!(self, texture => TextureModel::grid(texture)));
     }
 }
 
-/// All textures of a scene, addressed by [`TextureId`].
+/// All textures of a scene, indexed by [`TextureId`].
 #[derive(Clone, Copy, Debug)]
 pub struct Textures<'a>(pub &'a [Texture]);
 
@@ -144,7 +144,7 @@ impl Textures<'_> {
         with_texture!(texture, texture => TextureModel::eval_scalar(texture, *self, surface))
     }
 
-    /// The derivatives of the scalar by `u` and `v` at a surface point; zero where the texture is
+    /// The derivatives of the scalar by `u` and `v` at a surface point; zero if the texture is
     /// constant around it.
     #[must_use]
     pub fn gradient(&self, id: TextureId, surface: &SurfaceInteraction) -> Vec2 {
@@ -162,7 +162,7 @@ impl Textures<'_> {
 /// A colour parameter: constant, or read from a texture.
 #[derive(Clone, Copy, Debug)]
 pub enum ColorSource {
-    /// The same everywhere.
+    /// The same value everywhere.
     Constant(Spectrum),
     /// Read from a texture.
     Texture(TextureId),
@@ -179,7 +179,7 @@ impl ColorSource {
         }
     }
 
-    /// Whether the colour is the same everywhere.
+    /// Whether the colour is constant.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Constant(_))
@@ -198,7 +198,7 @@ impl ColorSource {
 /// A scalar parameter: constant, or read from a texture.
 #[derive(Clone, Copy, Debug)]
 pub enum ScalarSource {
-    /// The same everywhere.
+    /// The same value everywhere.
     Constant(f32),
     /// Read from a texture.
     Texture(TextureId),
@@ -215,7 +215,7 @@ impl ScalarSource {
         }
     }
 
-    /// Whether the scalar is the same everywhere.
+    /// Whether the scalar is constant.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Constant(_))

@@ -1,9 +1,9 @@
 //! Volumes: quantities that vary in space, for media, phase functions and the `volume` texture.
 //!
 //! # Contract
-//! - Points are in world space. A volume has a value everywhere; its [`bounds`](Volume::bounds) are
-//!   the box outside of which a medium made of it is empty.
-//! - A volume's own space is the unit cube, which `to_world` places.
+//! - Points are in world space. A volume has a value everywhere. A medium made of it is empty
+//!   outside its [`bounds`](Volume::bounds).
+//! - A volume's local space is the unit cube, which `to_world` places.
 //! - Colours are linear Rec. 709; the scalar of a colour is its luminance.
 
 pub mod constvolume;
@@ -17,8 +17,8 @@ use etendue_spectrum::Spectrum;
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The list of volumes: one line is one plugin, its XML `type`, which is its module as well, and what
-/// the scene holds of it, which is a [`VolumeModel`].
+/// The list of volumes. Each line is one plugin: its XML `type`, which is also its module, and its
+/// type in the scene, which implements [`VolumeModel`].
 macro_rules! volume_list {
     ($macro:ident) => {
         $macro! {
@@ -28,7 +28,7 @@ macro_rules! volume_list {
     };
 }
 
-/// What a volume plugin computes; see the module's contract.
+/// The operations of a volume plugin; see the module's contract.
 pub(crate) trait VolumeModel {
     /// See [`Volume::eval`].
     fn eval(&self, point: Vec3) -> Spectrum;
@@ -38,7 +38,7 @@ pub(crate) trait VolumeModel {
         self.eval(point).luminance()
     }
 
-    /// See [`Volume::as_constant`]; `None` unless the volume is the same everywhere.
+    /// See [`Volume::as_constant`]; `None` unless the volume is constant.
     fn as_constant(&self) -> Option<Spectrum> {
         None
     }
@@ -56,7 +56,7 @@ pub(crate) trait VolumeModel {
     fn channels(&self) -> usize;
 }
 
-/// Makes the enum of volumes, its dispatch and the registry from the list.
+/// Generates the enum of volumes, its dispatch and the registry from the list.
 macro_rules! volumes {
     ($($module:ident => $name:ident($type:ty);)*) => {
         /// A quantity that varies in space.
@@ -89,11 +89,11 @@ volume_list!(volumes);
 /// Builds a volume.
 pub type BuildVolume = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Volume>;
 
-/// The unit cube, which every volume fills in its own space.
+/// The unit cube, which every volume fills in local space.
 pub(crate) const UNIT_CUBE: Bounds3 = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
 
 impl Volume {
-    /// The same colour everywhere, within the unit cube.
+    /// A constant colour within the unit cube.
     #[must_use]
     pub fn constant(color: Spectrum) -> Self {
         Self::Constant(constvolume::ConstVolume::new(color, &Transform::IDENTITY))
@@ -113,19 +113,19 @@ impl Volume {
         with_volume!(self, volume => volume.eval_scalar(point))
     }
 
-    /// The colour, if it is the same everywhere.
+    /// The colour, if the volume is constant.
     #[must_use]
     pub fn as_constant(&self) -> Option<Spectrum> {
         with_volume!(self, volume => volume.as_constant())
     }
 
-    /// The box in world space outside of which a medium of this volume is empty.
+    /// The world-space box outside of which a medium of this volume is empty.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         with_volume!(self, volume => volume.bounds())
     }
 
-    /// The least and the greatest value of all channels.
+    /// The minimum and maximum over all channels.
     #[must_use]
     pub fn range(&self) -> [f32; 2] {
         with_volume!(self, volume => volume.range())
@@ -137,13 +137,13 @@ impl Volume {
         with_volume!(self, volume => volume.mean())
     }
 
-    /// How many values a cell has; a constant counts as a colour.
+    /// Values per cell; a constant counts as a colour.
     #[must_use]
     pub fn channels(&self) -> usize {
         with_volume!(self, volume => volume.channels())
     }
 
-    /// The grid, if it is one.
+    /// The grid, if the volume is one.
     #[must_use]
     pub fn grid(&self) -> Option<&Arc<gridvolume::GridVolume>> {
         match self {

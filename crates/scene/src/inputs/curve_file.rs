@@ -1,4 +1,4 @@
-//! Files of curves: a control point a line, `x y z radius`; an empty line begins another curve.
+//! Curve files: one control point per line, `x y z radius`; an empty line starts a new curve.
 
 use crate::builder::Assets;
 use crate::inputs::transform::read_transform;
@@ -6,17 +6,17 @@ use etendue_document::{Fault, Parameters};
 use etendue_math::Transform;
 use glam::{Vec3, Vec4};
 
-/// The control points of many curves, and where their segments start.
+/// The control points of all curves, and where their segments start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Curves {
-    /// Positions in the world and radii.
+    /// World-space positions and radii.
     pub(crate) points: Vec<Vec4>,
-    /// The first control point of each segment.
+    /// The index of each segment's first control point.
     pub(crate) starts: Vec<u32>,
 }
 
-/// Reads the file that `filename` names, of curves whose segments have `points_per_segment` control
-/// points each; `None` after reporting what went wrong.
+/// Reads the curve file named by `filename`. Each segment has `points_per_segment` control points.
+/// Returns `None` after reporting an error.
 #[must_use]
 pub(crate) fn read(
     assets: &Assets<'_>,
@@ -35,11 +35,11 @@ pub(crate) fn read(
     }
 }
 
-/// Reads curves from the bytes of a file. Radii are not scaled by `to_world`, as in Mitsuba.
+/// Parses curves from the bytes of a file. As in Mitsuba, `to_world` does not scale the radii.
 ///
 /// # Errors
-/// A sentence with the line for what is no number, for negative radii, for curves with too few
-/// points, and for files without any.
+/// A message with the line number for malformed numbers, negative radii and curves with too few
+/// points; also for files without curves.
 pub(crate) fn parse(
     bytes: &[u8],
     to_world: &Transform,
@@ -76,7 +76,7 @@ pub(crate) fn parse(
     Ok(curves)
 }
 
-/// The four numbers that a line begins with.
+/// Parses the first four numbers of a line.
 fn control_point(line: &[u8]) -> Option<Vec4> {
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     let mut numbers = [0.0; 4];
@@ -102,21 +102,21 @@ impl Curves {
         Ok(())
     }
 
-    /// The position and radius of a control point of a segment.
+    /// The position and radius of one control point of a segment.
     #[must_use]
     pub(crate) fn point(&self, segment: u32, index: usize) -> Vec4 {
         self.points[self.starts[segment as usize] as usize + index]
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(self.points.as_slice()) + size_of_val(self.starts.as_slice())
     }
 }
 
-/// The two directions across a unit `axis` from which Mitsuba counts the azimuth: where it is a
-/// quarter, and where it is zero.
+/// The two directions across the unit vector `axis` that define Mitsuba's azimuth: where it is a
+/// quarter turn, and where it is zero.
 #[must_use]
 pub(crate) fn azimuth_frame(axis: Vec3) -> [Vec3; 2] {
     let across = (Vec3::Z - axis * axis.z).try_normalize().unwrap_or(Vec3::Y);

@@ -1,4 +1,4 @@
-//! Files of ellipsoids: what `ellipsoids` and `ellipsoidsmesh` read.
+//! Ellipsoid files, as read by `ellipsoids` and `ellipsoidsmesh`.
 
 use crate::builder::Assets;
 use crate::manual::{ParameterManual, parameter};
@@ -15,10 +15,10 @@ pub(crate) const FILENAME: ParameterManual = parameter(
     "A PLY file whose vertices have `x`, `y`, `z`, the logarithms `scale_0` to `scale_2` of the half \
      axes, and the quaternion `rot_0` (its real part) to `rot_3`. Files of Gaussian splats are such.",
 );
-/// The parameter that scales what the file says.
+/// The parameter that scales the sizes in the file.
 pub(crate) const SCALE_FACTOR: ParameterManual =
     parameter("scale_factor", "float", "1", "A factor on the half axes.");
-/// The parameter that says how far a surface reaches.
+/// The parameter that sets the extent of each ellipsoid.
 pub(crate) const EXTENT: ParameterManual = parameter(
     "extent",
     "float",
@@ -26,7 +26,7 @@ pub(crate) const EXTENT: ParameterManual = parameter(
     "Another factor on the half axes. Where they are standard deviations of a Gaussian, this is where \
      it is cut off.",
 );
-/// The parameter that makes faint ellipsoids smaller.
+/// The parameter that shrinks ellipsoids of low opacity.
 pub(crate) const EXTENT_ADAPTIVE_CLAMPING: ParameterManual = parameter(
     "extent_adaptive_clamping",
     "boolean",
@@ -44,32 +44,32 @@ pub(crate) const TO_WORLD: ParameterManual = parameter(
 
 /// The opacity at which a Gaussian is cut off.
 const LEAST_OPACITY: f32 = 0.01;
-/// The smallest half axis before it is scaled.
+/// The smallest half axis, before scaling.
 const LEAST_HALF_AXIS: f64 = 1e-6;
 
 /// An ellipsoid in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ellipsoid {
-    /// The middle.
+    /// The centre.
     pub(crate) center: Vec3,
-    /// Takes the axes of space to its own; unit.
+    /// Rotates the world axes to the axes of the ellipsoid; unit length.
     pub(crate) rotation: Quat,
-    /// Half the length along each axis; positive.
+    /// The half axes; positive.
     pub(crate) half_axes: Vec3,
 }
 
 impl Ellipsoid {
-    /// Its axes as columns, unit.
+    /// The unit axes, as columns.
     #[must_use]
     pub(crate) fn axes(&self) -> DMat3 {
         DMat3::from_quat(self.rotation.as_dquat().normalize())
     }
 
-    /// The box around it, rounded outwards.
+    /// The bounding box, rounded outwards.
     #[must_use]
     pub(crate) fn bounds(&self) -> Bounds3 {
         let half = self.axes() * DMat3::from_diagonal(self.half_axes.as_dvec3());
-        // Along a direction it reaches as far as the image of the unit sphere does.
+        // The extent along each world axis is that of the transformed unit sphere.
         let reach = DVec3::from_array([0, 1, 2].map(|axis| half.row(axis).length()));
         let center = self.center.as_dvec3();
         Bounds3::new(
@@ -79,8 +79,8 @@ impl Ellipsoid {
     }
 }
 
-/// Reads the file that `filename` names, and the other parameters above; `None` after reporting what
-/// went wrong.
+/// Reads the file named by `filename`, and the other parameters above. Returns `None` after
+/// reporting an error.
 #[must_use]
 pub(crate) fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Vec<Ellipsoid>> {
     let positive = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
@@ -113,7 +113,7 @@ pub(crate) fn read(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<V
     }
 }
 
-/// Where ellipsoids stand, and how large they are.
+/// How the ellipsoids are placed and scaled.
 #[derive(Clone, Copy, Debug)]
 struct Placement {
     to_world: DMat4,
@@ -123,7 +123,7 @@ struct Placement {
 }
 
 impl Placement {
-    /// The ellipsoids that the attributes of points describe.
+    /// Builds the ellipsoids from the attributes of the points.
     fn place(&self, points: &TriangleMesh) -> Result<Vec<Ellipsoid>, String> {
         let scales = values::<3>(points, "scale").ok_or_else(|| lacks("scale_0` to `scale_2"))?;
         let rotations = values::<4>(points, "rot").ok_or_else(|| lacks("rot_0` to `rot_3"))?;
@@ -150,7 +150,7 @@ impl Placement {
         Ok(ellipsoids)
     }
 
-    /// The factor on the half axes of an ellipsoid with this opacity; `None` where it is too faint.
+    /// The factor applied to the half axes at this opacity; `None` if the ellipsoid is too faint.
     fn extent_of(&self, opacity: Option<f32>) -> Option<f64> {
         let Some(opacity) = opacity else { return Some(self.extent) };
         let excess = f64::from(opacity / LEAST_OPACITY).ln();
@@ -162,16 +162,16 @@ fn lacks(names: &str) -> String {
     format!("the vertices have no properties `{names}`: they are no ellipsoids")
 }
 
-/// The rows of a vertex attribute of `N` channels.
+/// The rows of a vertex attribute with `N` channels.
 fn values<'a, const N: usize>(points: &'a TriangleMesh, name: &str) -> Option<&'a [[f32; N]]> {
     let is_it = |found: &str| found.strip_prefix("vertex_") == Some(name);
     let attribute = points.attributes.iter().find(|attribute| is_it(&attribute.name))?;
     (attribute.channels as usize == N).then(|| attribute.values.as_chunks().0)
 }
 
-/// The opacity of each ellipsoid. Files of Gaussian splats, which are known by their spherical
-/// harmonics, hold it before a sigmoid is applied (Kerbl et al., "3D Gaussian Splatting for Real-Time
-/// Radiance Field Rendering", 2023, section 5).
+/// The opacity of each ellipsoid. Gaussian splat files, recognised by their spherical harmonics,
+/// store it before the sigmoid (Kerbl et al., "3D Gaussian Splatting for Real-Time Radiance Field
+/// Rendering", 2023, section 5).
 fn opacities(points: &TriangleMesh) -> Option<Vec<f32>> {
     if let Some(opacities) = values::<1>(points, "opacities") {
         return Some(opacities.as_flattened().to_vec());
@@ -182,14 +182,14 @@ fn opacities(points: &TriangleMesh) -> Option<Vec<f32>> {
     values::<1>(points, "opacity").map(|all| all.as_flattened().iter().map(sigmoid).collect())
 }
 
-/// The rotation that is nearest to a matrix, and by how much the matrix stretches in the mean: the
-/// mean of the eigenvalues of what the rotation leaves. A mirror is left out, as ellipsoids look the
-/// same in it but for their rotation.
+/// Polar decomposition: the rotation nearest to a matrix, and the mean stretch, which is the mean
+/// eigenvalue of the remaining factor. A reflection is dropped: an ellipsoid is symmetric under
+/// point reflection.
 ///
 /// Higham, "Computing the Polar Decomposition with Applications", 1986: Newton's iteration.
 fn polar_decomposition(matrix: DMat3) -> (DQuat, f64) {
     let mut turn = matrix;
-    // It doubles the digits that are right; 25 bring any matrix of single precision to the end.
+    // Converges quadratically; 25 steps suffice for any single-precision matrix.
     for _ in 0..25 {
         turn = (turn + turn.inverse().transpose()) * 0.5;
     }
@@ -219,7 +219,7 @@ mod tests {
         let rotation = Quat::from_xyzw(0.1, 0.3, 0.2, 0.9).normalize();
         let half_axes = Vec3::new(0.9, 0.6, 0.3);
         let ellipsoid = Ellipsoid { center: Vec3::new(0.1, 0.2, 0.3), rotation, half_axes };
-        // What Mitsuba 3.9.1 says of the same one.
+        // What Mitsuba 3.9.1 reports for the same ellipsoid.
         let bounds = ellipsoid.bounds();
         let expected =
             [Vec3::new(-0.604805, -0.46849, -0.262469), Vec3::new(0.804805, 0.86849, 0.862469)];

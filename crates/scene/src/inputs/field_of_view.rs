@@ -1,4 +1,4 @@
-//! The field of view: an angle along an axis of the film, or a focal length.
+//! The field of view: an angle along one axis of the film, or a focal length.
 
 use crate::manual::{ParameterManual, parameter};
 use etendue_document::{Fault, Parameters, Value};
@@ -25,7 +25,7 @@ pub(crate) const FOCAL_LENGTH: ParameterManual = parameter(
      (36 × 24 mm).",
 );
 
-/// Along what an angle is measured.
+/// The film axis along which the angle is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Axis {
     X,
@@ -45,17 +45,17 @@ const AXES: [(&str, Axis); 5] = [
 
 /// The diagonal of 35 mm film, √(36² + 24²), in millimetres.
 const FILM_DIAGONAL: f64 = 43.266_615_305_567_87;
-/// A narrower view is below what single precision can tell apart.
+/// The smallest angle that single precision can resolve.
 const MIN_DEGREES: f64 = 1e-5;
-/// The longest focal length, in millimetres: about the angle above.
+/// The longest focal length, in millimetres: about the smallest angle.
 const MAX_FOCAL_LENGTH: f64 = 1e8;
-/// The shortest one: almost half of all directions.
+/// The shortest focal length: the view covers almost a hemisphere.
 const MIN_FOCAL_LENGTH: f64 = 1e-5;
-/// Where neither angle nor length is given, in millimetres.
+/// The default focal length, in millimetres.
 const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
 
-/// Reads half the width and half the height of what a film of this aspect (width over height)
-/// covers at distance one; `None` after an error has been reported.
+/// Reads the field of view of a film with this aspect ratio (width over height). Returns half the
+/// width and half the height that it covers at distance one; `None` after reporting an error.
 pub(crate) fn read_half_size(parameters: &Parameters<'_>, aspect: f64) -> Option<DVec2> {
     let angle_range = (Bound::Included(MIN_DEGREES), Bound::Excluded(180.0));
     let axis = parameters.choice("fov_axis", Axis::X, &AXES);
@@ -75,7 +75,7 @@ pub(crate) fn read_half_size(parameters: &Parameters<'_>, aspect: f64) -> Option
     Some(half_size(tangent, axis, aspect))
 }
 
-/// Half width and half height from the tangent of half the angle along an axis.
+/// Half the width and half the height, from the tangent of half the angle along an axis.
 fn half_size(tangent: f64, axis: Axis, aspect: f64) -> DVec2 {
     let half_width = match axis {
         Axis::X => tangent,
@@ -87,7 +87,7 @@ fn half_size(tangent: f64, axis: Axis, aspect: f64) -> DVec2 {
     DVec2::new(half_width, half_width / aspect)
 }
 
-/// The focal length in millimetres: a number, or a text with or without its unit.
+/// Parses the focal length in millimetres: a number, or text with or without a unit.
 fn read_focal_length(parameters: &Parameters<'_>) -> Option<f64> {
     let millimetres = match parameters.value("focal_length") {
         None => return Some(DEFAULT_FOCAL_LENGTH),

@@ -1,31 +1,32 @@
-//! Mitsuba's file format for volumes on a grid (`.vol`, version 3).
+//! Mitsuba's file format for grid volumes (`.vol`, version 3).
 //!
-//! Little-endian: the letters `VOL`, the version as a byte, then as 32-bit integers the encoding,
-//! the cells along x, y and z, and the channels; the box as six floats (least corner, greatest
-//! corner); then the values, x fastest among the cells and the channels of a cell side by side
-//! (Mitsuba 3's manual of `gridvolume`; version 0.6's lists the encodings).
+//! Little-endian: the letters `VOL` and the version as a byte. Then, as 32-bit integers: the
+//! encoding, the cell counts along x, y and z, and the channel count. Then the bounding box as six
+//! floats (minimum corner, maximum corner). Then the values: x varies fastest among the cells, and
+//! the channels of a cell are interleaved (Mitsuba 3's manual of `gridvolume`; version 0.6's lists
+//! the encodings).
 
 use etendue_math::Bounds3;
 use glam::Vec3;
 use std::fmt;
 
-/// Bytes before the values.
+/// The size of the header in bytes.
 const HEADER: usize = 48;
 
-/// The values of a file.
+/// The contents of a file.
 #[derive(Clone, Debug)]
 pub(crate) struct GridFile {
-    /// Cells along x, y and z; none is zero.
+    /// Cell counts along x, y and z; none is zero.
     pub(crate) size: [u32; 3],
     /// Values per cell: 1, 3 or 6.
     pub(crate) channels: usize,
-    /// The box that the file names; not checked.
+    /// The bounding box given by the file; not validated.
     pub(crate) bounds: Bounds3,
     /// The values of all cells.
     pub(crate) values: Vec<f32>,
 }
 
-/// What is wrong with a file.
+/// Why a file cannot be read.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum GridError {
     NotAVolume,
@@ -38,7 +39,7 @@ pub(crate) enum GridError {
 }
 
 impl GridError {
-    /// Whether the file may be right, and it is only not understood here.
+    /// Whether the file may be valid but uses a feature that is not supported.
     pub(crate) fn is_unsupported(&self) -> bool {
         matches!(self, Self::Version(_) | Self::Encoding(_) | Self::Channels(_))
     }
@@ -73,7 +74,7 @@ impl fmt::Display for GridError {
     }
 }
 
-/// How values are written.
+/// How the values are encoded.
 #[derive(Clone, Copy)]
 enum Encoding {
     Float,
@@ -103,7 +104,7 @@ impl Encoding {
     }
 }
 
-/// The value of a 16-bit float (IEEE 754 binary16).
+/// Converts a 16-bit float (IEEE 754 binary16).
 fn half_float(bits: u16) -> f32 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let (exponent, mantissa) = (i32::from(bits >> 10 & 0x1f), f32::from(bits & 0x3ff));
@@ -115,7 +116,7 @@ fn half_float(bits: u16) -> f32 {
     }
 }
 
-/// Reads a file. Sizes are checked against its length before memory is taken.
+/// Parses a file. Checks all sizes against its length before allocating memory.
 pub(crate) fn read(bytes: &[u8]) -> Result<GridFile, GridError> {
     if !bytes.starts_with(b"VOL") {
         return Err(GridError::NotAVolume);
@@ -161,15 +162,14 @@ pub(crate) fn read(bytes: &[u8]) -> Result<GridFile, GridError> {
         Vec3::new(float(6), float(7), float(8)),
         Vec3::new(float(9), float(10), float(11)),
     );
-    // The file is as long as that, so that the length fits a `usize`.
+    // The file is at least this long, so the length fits in a `usize`.
     let values = encoding.decode(&bytes[HEADER..expected as usize]);
     let file = GridFile { size, channels, bounds, values };
     file.check().map(|()| file)
 }
 
 impl GridFile {
-    /// A grid in memory, which fills the unit cube: cells along x, y and z, and the values of all of
-    /// them.
+    /// A grid in memory that fills the unit cube: the cell counts along x, y and z, and all values.
     pub(crate) fn in_unit_cube(
         sides: [usize; 3],
         channels: usize,
@@ -190,7 +190,7 @@ impl GridFile {
         grid.check().map(|()| grid)
     }
 
-    /// Refuses values that are no finite numbers, with the first place.
+    /// Rejects NaN and infinity, and reports where the first one is.
     fn check(&self) -> Result<(), GridError> {
         let Some(index) = self.values.iter().position(|value| !value.is_finite()) else {
             return Ok(());

@@ -1,15 +1,15 @@
-//! Pictures that come from a buffer instead of a file.
+//! Pictures from a buffer instead of a file.
 
 use etendue_document::{Buffer, Elements, Fault, Parameters};
 use etendue_image::{Bitmap, Samples};
 
-/// The picture of the parameter `data`, which takes the place of `filename`; `None` after reporting
-/// what is wrong with it.
+/// Reads the picture from the parameter `data`, which replaces `filename`. Returns `None` after
+/// reporting an error.
 pub(crate) fn read(parameters: &Parameters<'_>) -> Option<Bitmap> {
     if parameters.has("filename") {
         let message = "a picture comes from `filename` or from `data`, not from both";
         parameters.error(Fault::BadValue, "filename", message);
-        // Both are known, though neither is of use.
+        // Mark both as read, so that neither is reported as unknown.
         let _ = (parameters.value("filename"), parameters.value("data"));
         return None;
     }
@@ -17,7 +17,7 @@ pub(crate) fn read(parameters: &Parameters<'_>) -> Option<Bitmap> {
     bitmap(parameters.buffer("data")?).map_err(report).ok()
 }
 
-/// The texels of a buffer: rows, columns, and channels where there are several.
+/// Converts a buffer to texels: rows, columns and, if there are several, channels.
 fn bitmap(buffer: &Buffer) -> Result<Bitmap, String> {
     let (height, width, channels) = match *buffer.shape() {
         [height, width] => (height, width, 1),

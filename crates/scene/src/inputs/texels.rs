@@ -1,39 +1,39 @@
-//! The texels of a picture, in the precision of its file.
+//! The texels of a picture, stored at the precision of its file.
 
 use etendue_image::srgb::{linear_of_srgb_u8, srgb_to_linear};
 use etendue_image::{Bitmap, Samples};
 use etendue_spectrum::Spectrum;
 use std::sync::OnceLock;
 
-/// A picture of one channel or of three, which keeps the memory that the file's precision needs.
+/// A picture with one or three channels, stored at the precision of its file.
 #[derive(Clone, Debug)]
 pub(crate) struct Texels {
     pub(crate) width: u32,
     pub(crate) height: u32,
-    /// Row by row from the top, channels side by side.
+    /// Row by row from the top, with interleaved channels.
     samples: Samples,
     is_grey: bool,
-    /// What the codes of 8-bit samples mean.
+    /// The decoded value of each 8-bit code.
     narrow_codes: &'static [f32; 256],
-    /// What the codes of 16-bit samples mean; empty for others.
+    /// The decoded value of each 16-bit code; empty for other formats.
     wide_codes: Vec<f32>,
-    /// See [`Texels::mean`]; few ask for it.
+    /// See [`Texels::mean`]; computed on demand because it is rarely needed.
     mean: OnceLock<Spectrum>,
 }
 
-/// What lies outside the unit square.
+/// How a picture continues outside the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrapMode {
-    /// The same again.
+    /// The picture repeats.
     #[default]
     Repeat,
-    /// The same reversed, and again.
+    /// The picture repeats, mirrored every other time.
     Mirror,
-    /// The outermost texels.
+    /// The outermost texels continue.
     Clamp,
 }
 
-/// The channel that a picture of one channel is made of.
+/// The channel to extract from a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Red, or grey.
@@ -46,7 +46,7 @@ pub enum Channel {
     Alpha,
 }
 
-/// The codes of 8-bit samples that are taken as they are.
+/// The value of each 8-bit code without sRGB decoding.
 static FRACTIONS: [f32; 256] = {
     let mut codes = [0.0; 256];
     let mut code = 0;
@@ -58,8 +58,8 @@ static FRACTIONS: [f32; 256] = {
 };
 
 impl Texels {
-    /// Takes over the colours of a picture, without alpha, or one channel of it. Samples are taken
-    /// as they are where `raw`. `None` where there is no such channel, or no texel.
+    /// Takes the colours of a picture without alpha, or one channel. Samples are not decoded if
+    /// `raw`. Returns `None` if the channel is missing or the picture has no texels.
     pub(crate) fn new(bitmap: Bitmap, channel: Option<Channel>, raw: bool) -> Option<Self> {
         let stride = bitmap.channels as usize;
         let is_color = stride >= 3;
@@ -91,18 +91,18 @@ impl Texels {
         })
     }
 
-    /// Whether the file holds floating-point numbers, which need not be finite.
+    /// Whether the file holds floating-point numbers, which may not be finite.
     pub(crate) fn are_floats(&self) -> bool {
         matches!(self.samples, Samples::F16(_) | Samples::F32(_))
     }
 
-    /// Whether there is one channel only.
+    /// Whether there is only one channel.
     #[inline]
     pub(crate) fn is_grey(&self) -> bool {
         self.is_grey
     }
 
-    /// How many bytes of memory the texels take.
+    /// The memory used by the texels, in bytes.
     pub(crate) fn memory_bytes(&self) -> usize {
         let sample = match self.samples {
             Samples::U8(_) => 1,
@@ -112,7 +112,7 @@ impl Texels {
         self.samples.len() * sample + size_of_val(self.wide_codes.as_slice())
     }
 
-    /// The colours of some texels, by index: row times width plus column.
+    /// The colours of the texels at these indices: row times width plus column.
     #[inline]
     pub(crate) fn colors<const N: usize>(&self, indices: [usize; N]) -> [Spectrum; N] {
         if self.is_grey {
@@ -130,7 +130,7 @@ impl Texels {
         }
     }
 
-    /// The only channel of some texels, or the luminances of their colours.
+    /// The only channel of these texels, or the luminance of their colours.
     #[inline]
     pub(crate) fn scalars<const N: usize>(&self, indices: [usize; N]) -> [f32; N] {
         if !self.is_grey {
@@ -157,7 +157,7 @@ impl Texels {
         })
     }
 
-    /// The sums of all texels by channel, from how often there is each code.
+    /// Sums all texels by channel, from the histogram of codes.
     fn code_sums<C: Copy + Into<usize>>(&self, samples: &[C], values: &[f32]) -> [f64; 3] {
         let channels = if self.is_grey { 1 } else { 3 };
         let mut counts = vec![[0_u64; 3]; values.len()];
@@ -175,7 +175,7 @@ impl Texels {
         if self.is_grey { [sums[0]; 3] } else { sums }
     }
 
-    /// The sums of all texels by channel.
+    /// Sums all texels by channel.
     fn color_sums(&self) -> [f64; 3] {
         let mut sum = [0.0_f64; 3];
         for index in 0..self.width as usize * self.height as usize {
@@ -187,7 +187,7 @@ impl Texels {
     }
 }
 
-/// Three neighbouring samples of each texel as a colour.
+/// Reads three adjacent samples of each texel as a colour.
 #[inline]
 fn triples<S: Copy, const N: usize>(
     samples: &[S],
@@ -200,13 +200,13 @@ fn triples<S: Copy, const N: usize>(
     })
 }
 
-/// The values of all 16-bit codes. A table, as the sRGB curve is slow.
+/// The decoded values of all 16-bit codes. A table, because the sRGB curve is slow.
 fn wide_codes(encoded: bool) -> Vec<f32> {
     let fractions = (0..=u16::MAX).map(|code| f32::from(code) / 65535.0);
     if encoded { fractions.map(srgb_to_linear).collect() } else { fractions.collect() }
 }
 
-/// Leaves out all channels but a few neighbouring ones.
+/// Keeps only a range of adjacent channels.
 fn keep_channels(samples: Samples, stride: usize, kept: std::ops::Range<usize>) -> Samples {
     fn keep<S: Copy>(samples: Vec<S>, stride: usize, kept: std::ops::Range<usize>) -> Vec<S> {
         if kept.len() == stride {
@@ -222,17 +222,17 @@ fn keep_channels(samples: Samples, stride: usize, kept: std::ops::Range<usize>) 
     }
 }
 
-/// The value of a half-precision float.
+/// Converts a half-precision float.
 ///
-/// The conversion of the `half` crate asks for the processor's features each time, which took three
-/// quarters of a look-up. Here the exponent is moved into place and its bias put right by a
-/// multiplication, which is exact, also for numbers below the normal range.
+/// The `half` crate detects CPU features on each conversion, which took three quarters of a
+/// look-up. This shifts the exponent into place and corrects its bias with a multiplication. The
+/// result is exact, also for subnormal numbers.
 #[inline]
 fn half_to_float(bits: u16) -> f32 {
-    /// 2¹¹²: the difference of the two biases, 127 and 15.
+    /// 2¹¹²: the difference between the exponent biases, 127 and 15.
     const REBIAS: f32 = f32::from_bits((127 + 112) << 23);
     let magnitude = f32::from_bits(u32::from(bits & 0x7fff) << 13) * REBIAS;
-    // The greatest exponent stands for infinity and NaN in both formats.
+    // The largest exponent encodes infinity and NaN in both formats.
     let magnitude = if bits & 0x7c00 == 0x7c00 {
         f32::from_bits(u32::from(bits & 0x7fff) << 13 | 0x7f80_0000)
     } else {

@@ -3,7 +3,7 @@
 use etendue_document::{Fault, Parameters};
 use etendue_math::Transform;
 
-/// A 4×4 transform parameter; `None` after reporting one that has no inverse.
+/// Reads a 4×4 transform. Returns `None` after reporting a singular matrix.
 #[must_use]
 pub(crate) fn read_transform(parameters: &Parameters<'_>, name: &str) -> Option<Transform> {
     let transform = Transform::from_matrix(&parameters.transform(name));

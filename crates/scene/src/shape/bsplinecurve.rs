@@ -25,13 +25,13 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<shape type="bsplinecurve"><string name="filename" value="curves.txt"/></shape>"#,
 };
 
-/// Pieces are halved until their bend is this share of their radius, or of their length.
+/// Pieces are halved until their bend is this fraction of their radius or length.
 const BEND: f64 = 0.05;
-/// Halvings at most: 1024 pieces.
+/// The maximum number of halvings: 1024 pieces.
 const MAX_HALVINGS: u32 = 10;
-/// Segments overlap by this much of their parameter, so that no ray passes between two.
+/// Segments overlap by this much in their parameter, so that no ray passes between them.
 const OVERLAP: f64 = 1e-9;
-/// The digits to which a crossing's parameter is found.
+/// The tolerance of an intersection's curve parameter.
 const ACCURACY: f64 = 1e-13;
 
 /// Tubes in world space.
@@ -49,7 +49,7 @@ pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<BSpline
 /// A cubic segment by its Bézier control points: positions and radii.
 type Bezier = [DVec4; 4];
 
-/// The point, first and second derivative at `s`.
+/// The point and its first and second derivative at `s`.
 fn evaluate([a, b, c, d]: &Bezier, s: f64) -> [DVec4; 3] {
     let r = 1.0 - s;
     let (ab, bc, cd) = (*a * r + *b * s, *b * r + *c * s, *c * r + *d * s);
@@ -64,20 +64,20 @@ fn halve([a, b, c, d]: &Bezier) -> (Bezier, Bezier) {
     ([*a, ab, abc, middle], [middle, bcd, cd, *d])
 }
 
-/// A segment as a ray sees it: x and y across the ray, z along it, from some point of the ray; the
-/// radius last.
+/// A segment in ray coordinates: x and y across the ray, z along it, relative to some point on the
+/// ray. The radius is the last component.
 struct View {
     curve: Bezier,
     halvings: u32,
-    /// The part of the ray that counts, in z.
+    /// The valid range of the ray, in z.
     near: f64,
     far: f64,
-    /// The z of the nearest crossing so far, and its parameter.
+    /// The z and curve parameter of the nearest intersection so far.
     found: Option<(f64, f64)>,
 }
 
 impl View {
-    /// Looks for crossings on the part of the curve from `start` to `end`, which is `part`.
+    /// Searches for intersections on `part`, the part of the curve from `start` to `end`.
     fn search(&mut self, part: &Bezier, [start, end]: [f64; 2], halvings: u32) {
         if self.misses(part) {
             return;
@@ -95,7 +95,7 @@ impl View {
         self.cross(1.0, [start, end]);
     }
 
-    /// Whether the hull of a part is away from the ray.
+    /// Whether the convex hull of a part misses the ray.
     fn misses(&self, part: &Bezier) -> bool {
         let low = part.iter().copied().reduce(DVec4::min).unwrap_or_default();
         let high = part.iter().copied().reduce(DVec4::max).unwrap_or_default();
@@ -108,8 +108,10 @@ impl View {
             || high.z + reach < self.near
     }
 
-    /// How far before (−1) or behind (1) the curve's point the ray meets the sphere around it, less
-    /// than nothing as nothing; and how far that is from the plane across the curve.
+    /// Zero where the tube's surface meets the ray. `side` selects the point where the ray enters
+    /// (−1) or leaves (1) the sphere around the curve's point. The value is that point's signed
+    /// distance from the plane across the curve, times the length of the derivative. If the ray
+    /// misses the sphere, its nearest point is used.
     fn mismatch(&self, side: f64, s: f64) -> f64 {
         let [point, derivative, _] = evaluate(&self.curve, s);
         let across = DVec2::new(point.x, point.y);
@@ -117,17 +119,18 @@ impl View {
         depth * derivative.z - across.dot(DVec2::new(derivative.x, derivative.y))
     }
 
-    /// Looks for a crossing before or behind the curve.
+    /// Searches for an intersection before or behind the curve.
     ///
-    /// A point of the tube is as far from the curve as the radius, at right angles. On a ray that
-    /// leaves one equation for each of the two places where it meets a sphere around the curve, with
-    /// simple roots also for rays at right angles to the curve, where squares would have double ones.
+    /// A point of the tube lies one radius from the curve, at right angles to it. On a ray, this
+    /// gives one equation for each of its two intersections with a sphere around the curve. Both
+    /// have simple roots even for rays at right angles to the curve, where the squared equation
+    /// would have double roots.
     fn cross(&mut self, side: f64, [mut low, mut high]: [f64; 2]) {
         let (mut at_low, mut at_high) = (self.mismatch(side, low), self.mismatch(side, high));
         if (at_low < 0.0) == (at_high < 0.0) {
             return;
         }
-        // Regula falsi in the Illinois way, and bisection in every third step.
+        // Regula falsi (Illinois variant), with bisection in every third step.
         let mut last_moved_low = None;
         for step in 0..100 {
             if high - low < ACCURACY {
@@ -155,7 +158,7 @@ impl View {
         self.offer(side, 0.5 * (low + high));
     }
 
-    /// Takes a crossing that is one, from outside, and nearer than others.
+    /// Records an intersection if it is valid, enters from outside and is the nearest so far.
     fn offer(&mut self, side: f64, s: f64) {
         let [point, derivative, second] = evaluate(&self.curve, s);
         let beneath = point.w * point.w - point.x * point.x - point.y * point.y;
@@ -173,8 +176,8 @@ impl View {
     }
 }
 
-/// A normal of the tube, not of unit length, at `radial` from the curve: the change of the radius
-/// tilts it along the curve, and that the more the nearer to the centre of the curve's bend.
+/// A normal of the tube at offset `radial` from the curve, not normalised. A changing radius tilts
+/// it along the curve, and more so near the curve's centre of curvature.
 fn normal(radial: DVec3, derivative: DVec4, second: DVec4, radius: f64) -> DVec3 {
     let along = derivative.truncate();
     let stretch = along.length_squared() - radial.dot(second.truncate());
@@ -209,7 +212,7 @@ impl ShapeModel for BSplineCurve {
 }
 
 impl BSplineCurve {
-    /// A segment in Bézier form.
+    /// Converts a segment to Bézier form.
     fn segment(&self, segment: u32) -> Bezier {
         let [a, b, c, d] = [0, 1, 2, 3].map(|index| self.curves.point(segment, index).as_dvec4());
         let third = |a: DVec4, b: DVec4| (a * 2.0 + b) / 3.0;
@@ -226,7 +229,8 @@ impl BSplineCurve {
         let length = direction.length();
         let forward = direction / length;
         let (x, y) = forward.any_orthonormal_pair();
-        // From the point next to the curve, however far the ray's origin is.
+        // Start from the ray's point nearest to the curve, to keep precision for distant ray
+        // origins.
         let start = (curve[0].truncate() - origin).dot(forward);
         let middle = origin + forward * start;
         let seen = curve.map(|point| {
@@ -246,8 +250,8 @@ impl BSplineCurve {
         (t > 0.0 && t < ray.t_max).then_some((t, s as f32))
     }
 
-    /// The surface of a segment where `ray` enters it, at the distance and parameter that
-    /// [`Self::intersect`] has given.
+    /// The surface point where `ray` enters a segment, from the distance and parameter that
+    /// [`Self::intersect`] returned.
     #[inline(never)]
     #[must_use]
     pub fn surface_point(&self, index: u32, ray: &Ray, (t, s): (f32, f32)) -> SurfacePoint {
@@ -287,7 +291,7 @@ impl BSplineCurve {
         }
     }
 
-    /// A box around each segment: that of its Bézier control points.
+    /// The bounding box of each segment, from its Bézier control points.
     #[must_use]
     pub fn boxes(&self) -> Vec<Bounds3> {
         (0..self.curves.starts.len() as u32)
@@ -302,20 +306,20 @@ impl BSplineCurve {
             .collect()
     }
 
-    /// How many segments there are.
+    /// The number of segments.
     #[must_use]
     pub fn segment_count(&self) -> usize {
         self.curves.starts.len()
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.curves.memory_bytes()
     }
 }
 
-/// How often a segment is halved. Each time, what it bends by is a quarter of before.
+/// How often a segment is halved. Each halving divides the bend by four.
 fn halvings([a, b, c, d]: &Bezier) -> u32 {
     let bend = (*a - *b * 2.0 + *c).length().max((*b - *c * 2.0 + *d).length());
     let radius = [a, b, c, d].iter().map(|point| point.w).fold(0.0, f64::max);
@@ -325,11 +329,11 @@ fn halvings([a, b, c, d]: &Bezier) -> u32 {
         .unwrap_or(MAX_HALVINGS)
 }
 
-/// The parameter of the curve's point that is nearest to `place`, from one to single precision.
+/// The curve parameter nearest to `place`. Refines `near` from single precision.
 fn nearest(curve: &Bezier, place: DVec3, near: f64) -> f64 {
     let [point, derivative, second] = evaluate(curve, near);
     let (offset, along) = (place - point.truncate(), derivative.truncate());
-    // A step of Newton's method to where the offset is at right angles to the curve.
+    // One Newton step towards the parameter where the offset is orthogonal to the curve.
     let step = offset.dot(along) / (along.length_squared() - offset.dot(second.truncate()));
     (near + if step.abs() < 1e-3 { step } else { 0.0 }).clamp(0.0, 1.0)
 }

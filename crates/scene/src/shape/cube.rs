@@ -26,7 +26,7 @@ pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> 
     Mesh::new(unit_cube(), &MeshOptions::placement(to_world, flip_normals)).ok()
 }
 
-/// The directions of u, v and the outward normal of each face, in the order of Mitsuba's triangles.
+/// The directions of u, v and the outward normal of each face, in Mitsuba's triangle order.
 const FACES: [[Vec3; 3]; 6] = [
     [Vec3::Z, Vec3::X, Vec3::NEG_Y],
     [Vec3::NEG_X, Vec3::NEG_Z, Vec3::Y],
@@ -36,7 +36,7 @@ const FACES: [[Vec3; 3]; 6] = [
     [Vec3::NEG_Y, Vec3::X, Vec3::NEG_Z],
 ];
 
-/// The cube before it is placed.
+/// The cube in local space.
 pub(super) fn unit_cube() -> TriangleMesh {
     let mut mesh = TriangleMesh { name: "cube".to_owned(), ..TriangleMesh::default() };
     for (face, [u_axis, v_axis, normal]) in (0_u32..).zip(FACES) {
@@ -71,7 +71,7 @@ mod tests {
         }
     }
 
-    /// Read from Mitsuba 3.9.1: the corner of each face where u is 0 and v is 1.
+    /// Taken from Mitsuba 3.9.1: the corner of each face where u is 0 and v is 1.
     #[test]
     fn coordinates_are_those_of_mitsuba() {
         let expected = [

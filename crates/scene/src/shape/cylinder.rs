@@ -32,7 +32,7 @@ pub const MANUAL: Manual = Manual {
 /// A cylinder in world space.
 #[derive(Clone, Copy, Debug)]
 pub struct Cylinder {
-    /// World to the cylinder's own space, where it is x² + y² = 1 for z in [0, 1].
+    /// World to local space, where the cylinder is x² + y² = 1 for z in [0, 1].
     to_local: DAffine3,
     to_world: DAffine3,
     radius: f64,
@@ -50,7 +50,7 @@ pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Cylind
     read_transform(parameters, "to_world")?;
     let to_world = parameters.transform("to_world");
     let axis = p1 - p0;
-    // The azimuth counts from where Mitsuba counts it: in the cylinder's own space, before `to_world`.
+    // The azimuth starts where Mitsuba's does: in local space, before `to_world`.
     let (s, t) = coordinate_system(axis.as_vec3().normalize_or(Vec3::Z));
     let [s, t, axis] =
         [s.as_dvec3(), t.as_dvec3(), axis].map(|vector| to_world.transform_vector3(vector));
@@ -67,7 +67,7 @@ pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Cylind
         );
         return None;
     }
-    // What rounding leaves of skew is taken off.
+    // Re-orthogonalise.
     let n = axis / length;
     let s = (s - n * n.dot(s)).normalize();
     let t = n.cross(s) * 1.0_f64.copysign(n.cross(s).dot(t));
@@ -103,8 +103,8 @@ impl ShapeModel for Cylinder {
 }
 
 impl Cylinder {
-    /// The distance at which the ray first meets the surface, and the azimuth over 2π and height
-    /// over the length there.
+    /// The distance at which the ray first hits the surface, with the azimuth over 2π and the
+    /// height over the length.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, Vec2)> {
@@ -125,7 +125,7 @@ impl Cylinder {
         })
     }
 
-    /// The surface at `uv`.
+    /// The surface point at `uv`.
     #[must_use]
     pub fn surface_point(&self, uv: Vec2) -> SurfacePoint {
         let (sin, cos) = (f64::from(uv.x) * std::f64::consts::TAU).sin_cos();
@@ -138,8 +138,8 @@ impl Cylinder {
         let normal = if self.flip_normals { -outwards } else { outwards };
         SurfacePoint {
             point,
-            // The azimuth is single precision, which moves the point along the surface; off the
-            // surface only the last rounding counts.
+            // The azimuth is single precision, which moves the point along the surface. Off the
+            // surface, only the last rounding matters.
             error: point.abs() * rounding_error_bound(3)
                 + Vec3::splat((self.radius * 1e-12) as f32),
             normal,
@@ -150,11 +150,11 @@ impl Cylinder {
         }
     }
 
-    /// The box around the cylinder, rounded outwards.
+    /// The bounding box, rounded outwards.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         let axes = self.to_world.matrix3;
-        // A circle of radius vectors a and b reaches √(aᵢ² + bᵢ²) along each axis i.
+        // A circle with radius vectors a and b extends √(aᵢ² + bᵢ²) along each axis i.
         let reach = (axes.x_axis * axes.x_axis + axes.y_axis * axes.y_axis).map(f64::sqrt);
         let ends = [self.to_world.translation, self.to_world.translation + axes.z_axis];
         let bounds = Bounds3::from_points(
@@ -163,13 +163,13 @@ impl Cylinder {
         Bounds3::new(bounds.min.map(f32::next_down), bounds.max.map(f32::next_up))
     }
 
-    /// The surface's area.
+    /// The surface area.
     #[must_use]
     pub fn area(&self) -> f32 {
         (std::f64::consts::TAU * self.radius * self.length) as f32
     }
 
-    /// A point uniform in area.
+    /// Samples a point uniform in area.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> ShapeSample {
         let surface = self.surface_point(random);
@@ -195,7 +195,7 @@ mod tests {
         TestNode::new(Class::Shape, "cylinder").with("to_world", Value::transform(to_world))
     }
 
-    /// Read from Mitsuba 3.9.1: the point, its coordinates, the normal and ∂point/∂u.
+    /// Taken from Mitsuba 3.9.1: the point, its coordinates, the normal and ∂point/∂u.
     #[test]
     fn places_are_those_of_mitsuba_whatever_the_placement() {
         let turned =

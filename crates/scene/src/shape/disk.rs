@@ -21,12 +21,12 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<shape type="disk"><transform name="to_world"><scale value="2"/></transform></shape>"#,
 };
 
-/// A disk in world space: an ellipse where `to_world` scales unequally.
+/// A disk in world space; an ellipse if `to_world` scales non-uniformly.
 #[derive(Clone, Copy, Debug)]
 pub struct Disk {
     to_world: Transform,
-    /// World to the disk's own space, in double precision: rays that leave the disk must not meet it
-    /// again for a rounding.
+    /// World to local space, in double precision so that rounding does not make rays that leave the
+    /// disk hit it again.
     to_local: DAffine3,
     normal: Vec3,
     area: f32,
@@ -72,7 +72,7 @@ impl Disk {
         Self { to_world, to_local, normal, area: PI * across.length() }
     }
 
-    /// The distance at which the ray meets the disk, and the disk's x and y there.
+    /// The distance at which the ray hits the disk, and the local x and y there.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<(f32, Vec2)> {
@@ -80,12 +80,12 @@ impl Disk {
         let direction = self.to_local.transform_vector3(ray.direction.as_dvec3());
         let t = -origin.z / direction.z;
         let local = (origin + direction * t).truncate();
-        // A NaN from a ray within the plane fails the comparisons.
+        // A ray within the plane gives NaN, which fails the comparisons.
         let inside = t > 0.0 && t < f64::from(ray.t_max) && local.length_squared() <= 1.0;
         inside.then(|| (t as f32, local.as_vec2()))
     }
 
-    /// The surface at the disk's `local` x and y.
+    /// The surface point at the `local` x and y.
     #[must_use]
     pub fn surface_point(&self, local: Vec2) -> SurfacePoint {
         let matrix = self.to_world.affine();
@@ -109,20 +109,20 @@ impl Disk {
         }
     }
 
-    /// The box around the disk.
+    /// The bounding box.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         let square = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
         Bounds3::from_points(square.map(|(x, y)| self.to_world.point(Vec3::new(x, y, 0.0))))
     }
 
-    /// The area of the front.
+    /// The area of one side.
     #[must_use]
     pub fn area(&self) -> f32 {
         self.area
     }
 
-    /// A point uniform in area.
+    /// Samples a point uniform in area.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> ShapeSample {
         let surface = self.surface_point(warp::concentric_disk::sample(random));

@@ -69,7 +69,7 @@ impl ShapeModel for Ellipsoids {
 }
 
 impl Ellipsoids {
-    /// Where the ray enters an ellipsoid: the distance, and the point in the space in which the
+    /// The distance at which the ray enters an ellipsoid, and the point in the space where the
     /// ellipsoid is the unit sphere.
     fn enter(&self, index: u32, ray: &Ray) -> Option<(f64, DVec3)> {
         let ellipsoid = &self.ellipsoids[index as usize];
@@ -77,7 +77,7 @@ impl Ellipsoids {
         let scale = ellipsoid.half_axes.as_dvec3().recip();
         let origin = to_local * (ray.origin.as_dvec3() - ellipsoid.center.as_dvec3()) * scale;
         let direction = to_local * ray.direction.as_dvec3() * scale;
-        // Expanding around the point nearest to the centre keeps the discriminant exact where the
+        // Expanding around the point nearest to the centre keeps the discriminant accurate if the
         // origin is many radii away, as in `sphere`.
         let a = direction.length_squared();
         let nearest = -origin.dot(direction) / a;
@@ -93,12 +93,12 @@ impl Ellipsoids {
         (t > 0.0 && t < ray.t_max).then_some(t)
     }
 
-    /// The surface of an ellipsoid where `ray`, which is known to, enters it.
+    /// The surface point where `ray`, which must hit the ellipsoid, enters it.
     #[must_use]
     pub fn surface_point(&self, index: u32, ray: &Ray) -> SurfacePoint {
         let ellipsoid = &self.ellipsoids[index as usize];
-        // Found again, as the distance that was kept is rounded: of a flat ellipsoid that would be
-        // another point.
+        // Intersect again: the stored distance is rounded, which would give another point on a flat
+        // ellipsoid.
         let local = self.enter(index, ray).map_or(DVec3::Z, |(_, local)| local.normalize());
         let (axes, half_axes) = (ellipsoid.axes(), ellipsoid.half_axes.as_dvec3());
         let point = ellipsoid.center.as_dvec3() + axes * (local * half_axes);
@@ -108,7 +108,7 @@ impl Ellipsoids {
         let reach = ellipsoid.half_axes.max_element();
         SurfacePoint {
             point,
-            // All but the last rounding is in double precision.
+            // Everything but the last rounding is in double precision.
             error: point.abs() * rounding_error_bound(2) + reach * 1e-9,
             normal,
             shading_normal: normal,
@@ -118,19 +118,19 @@ impl Ellipsoids {
         }
     }
 
-    /// A box around each ellipsoid.
+    /// The bounding box of each ellipsoid.
     #[must_use]
     pub fn boxes(&self) -> Vec<Bounds3> {
         self.ellipsoids.iter().map(Ellipsoid::bounds).collect()
     }
 
-    /// How many ellipsoids there are.
+    /// The number of ellipsoids.
     #[must_use]
     pub fn count(&self) -> usize {
         self.ellipsoids.len()
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.ellipsoids.as_slice())

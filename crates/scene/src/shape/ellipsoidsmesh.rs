@@ -1,4 +1,4 @@
-//! `ellipsoidsmesh`: many ellipsoids, each in a shell of triangles.
+//! `ellipsoidsmesh`: many ellipsoids, each represented by a shell of triangles.
 
 use super::{Geometry, ShapeModel, SurfacePoint, cube};
 use crate::builder::Assets;
@@ -37,7 +37,8 @@ pub const MANUAL: Manual = Manual {
 </shape>"#,
 };
 
-/// More triangles than this are refused: a small file and a large shell would take all memory.
+/// The maximum number of triangles. Without it, a small file and a large shell could exhaust
+/// memory.
 const MOST_TRIANGLES: usize = 1 << 27;
 
 /// The shells in world space.
@@ -67,18 +68,18 @@ pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Ellipso
     Mesh::new(shell.around(&ellipsoids), &options).ok().map(|mesh| EllipsoidsMesh { mesh })
 }
 
-/// A closed surface around the unit sphere.
+/// A closed mesh around the unit sphere.
 #[derive(Clone, Debug)]
 struct Shell {
     vertices: Vec<DVec3>,
-    /// Counterclockwise from outside.
+    /// Counterclockwise as seen from outside.
     triangles: Vec<[u32; 3]>,
 }
 
 fn read_shell(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Shell> {
     if let Some(Entry::Child(child)) = parameters.entry("shell") {
         let node = assets.document.node(child.node);
-        // A shell of shells would be built over and over.
+        // A shell made of shells would recurse without end.
         if node.class != Class::Shape || node.plugin == "ellipsoidsmesh" {
             parameters.error(Fault::BadValue, "shell", "a shell is a mesh");
             return None;
@@ -104,12 +105,12 @@ fn read_shell(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Shell>
     })
 }
 
-/// Vertices on a circle of latitude of the unit sphere.
+/// A ring of vertices at one latitude of the unit sphere.
 #[derive(Clone, Copy)]
 struct Ring {
-    /// The height of the circle.
+    /// The height of the ring.
     y: f64,
-    /// The azimuth of the first vertex (degrees), from x to z.
+    /// The azimuth of the first vertex in degrees, from x to z.
     start: f64,
 }
 
@@ -127,14 +128,15 @@ impl Shell {
         Self::from_rings(&[Ring { y: -y, start: 36.0 }, Ring { y, start: 72.0 }], 5)
     }
 
-    /// Nine meridians and four circles of latitude, 36° apart.
+    /// A UV sphere with nine meridians and four circles of latitude 36° apart.
     fn globe() -> Self {
         let rings = [144.0_f64, 108.0, 72.0, 36.0];
         let rings = rings.map(|angle| Ring { y: angle.to_radians().cos(), start: -90.0 });
         Self::from_rings(&rings, 9)
     }
 
-    /// The poles, and rings of `count` vertices from the lowest to the highest.
+    /// Builds a sphere from its poles and rings of `count` vertices, from the lowest to the
+    /// highest.
     fn from_rings(rings: &[Ring], count: u32) -> Self {
         let mut shell = Self { vertices: vec![DVec3::NEG_Y], triangles: Vec::new() };
         for ring in rings {
@@ -161,8 +163,8 @@ impl Shell {
         shell
     }
 
-    /// The shell with all vertices and all middles of triangles on or outside the unit sphere, and
-    /// one of them on it.
+    /// Scales the shell so that all vertices and triangle centroids are on or outside the unit
+    /// sphere, and at least one is on it.
     fn scaled(mut self) -> Self {
         let corners = |triangle: &[u32; 3]| triangle.map(|vertex| self.vertices[vertex as usize]);
         let least = self
@@ -175,7 +177,7 @@ impl Shell {
         self
     }
 
-    /// A shell around each ellipsoid.
+    /// Places a shell around each ellipsoid.
     fn around(&self, ellipsoids: &[Ellipsoid]) -> TriangleMesh {
         let mut mesh = TriangleMesh::default();
         mesh.positions.reserve_exact(ellipsoids.len() * self.vertices.len());
@@ -219,9 +221,9 @@ impl ShapeModel for EllipsoidsMesh {
 }
 
 impl EllipsoidsMesh {
-    /// Where the ray meets a triangle from outside: the distance, and the barycentric coordinates of
-    /// the second and third vertex. The triangle's edges belong to it, and what is computed of them
-    /// in double precision leaves no gaps that a ray of single precision would find.
+    /// The distance at which the ray hits a triangle from outside, and the barycentric coordinates
+    /// of the second and third vertex. Edges count as part of the triangle, and the
+    /// double-precision arithmetic leaves no gaps that a single-precision ray could find.
     ///
     /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997, with culling.
     #[must_use]
@@ -243,7 +245,7 @@ impl EllipsoidsMesh {
         (is_inside && t > 0.0 && t < ray.t_max).then_some((t, Vec2::new(u as f32, v as f32)))
     }
 
-    /// The surface at barycentric coordinates of the second and third vertex.
+    /// The surface point at the barycentric coordinates of the second and third vertex.
     #[must_use]
     pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
         self.mesh.surface_point(triangle, barycentric)
@@ -254,7 +256,7 @@ impl EllipsoidsMesh {
         self.mesh.triangles()[triangle].map(|vertex| positions[vertex as usize].as_dvec3())
     }
 
-    /// A box around each triangle.
+    /// The bounding box of each triangle.
     #[must_use]
     pub fn boxes(&self) -> Vec<Bounds3> {
         let positions = self.mesh.positions();
@@ -263,13 +265,13 @@ impl EllipsoidsMesh {
         triangles.map(|triangle| Bounds3::from_points(corners(triangle))).collect()
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.mesh.triangles().len()
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.mesh.memory_bytes()
@@ -287,7 +289,7 @@ mod tests {
         for (shell, count) in [(cube, 12), (Shell::icosahedron(), 20), (Shell::globe(), 72)] {
             let shell = shell.scaled();
             assert_eq!(shell.triangles.len(), count);
-            // Gauss: of a closed surface the areas' normals cancel out.
+            // By the divergence theorem, the area vectors of a closed surface sum to zero.
             let mut sum = DVec3::ZERO;
             let mut nearest = f64::INFINITY;
             for corners in &shell.triangles {

@@ -18,11 +18,10 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<scene><shape type="shapegroup" id="grove"><shape type="sphere"/></shape><shape type="instance"><ref id="grove"/><transform name="to_world"><translate x="5"/></transform></shape></scene>"#,
 };
 
-/// A placed group. There may be millions, so that it is as small as can be: both maps without the
-/// padding that arithmetic likes.
+/// A placed group. A scene may have millions, so both transforms are stored without padding.
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {
-    /// What is placed.
+    /// The group.
     pub group: GroupId,
     to_world: [Vec3; 4],
     to_local: [Vec3; 4],
@@ -39,7 +38,7 @@ impl Instance {
         Self { group, to_world, to_local }
     }
 
-    /// The group's space to the world.
+    /// Group space to world space.
     #[must_use]
     pub fn to_world(&self) -> Transform {
         let [to_world, to_local] = [self.to_world, self.to_local]
@@ -47,13 +46,14 @@ impl Instance {
         Transform::from_inverses(to_world, to_local)
     }
 
-    /// The box around the group when it is placed.
+    /// The world-space bounding box.
     #[must_use]
     pub fn bounds(&self, group: &Group) -> Bounds3 {
         self.to_world().bounds(&group.bvh.bounds())
     }
 
-    /// Takes an interaction from the group's space to the world. `direction` is that of the world ray.
+    /// Transforms an interaction from group space to world space. `direction` is that of the world
+    /// ray.
     #[must_use]
     pub fn place(&self, local: SurfaceInteraction, direction: Vec3) -> SurfaceInteraction {
         let to_world = &self.to_world();
@@ -73,8 +73,8 @@ impl Instance {
     }
 }
 
-/// A bound of the error of a transformed point: the mapped bound, and the rounding of the sums
-/// (*Physically Based Rendering*, 4th ed., section 6.8.6).
+/// A bound on the error of a transformed point: the transformed bound plus the rounding error of
+/// the sums (*Physically Based Rendering*, 4th ed., section 6.8.6).
 fn transformed_error(map: Affine3A, point: Vec3, error: Vec3) -> Vec3 {
     let columns =
         [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(|c| Vec3::from(c).abs());

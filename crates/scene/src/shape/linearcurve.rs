@@ -37,24 +37,25 @@ pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<LinearC
     curve_file::read(assets, parameters, 2).map(|curves| LinearCurve { curves })
 }
 
-/// A segment: the spheres of radius `radius` + s·`growth` around `start` + s·`axis`, 0 ≤ s ≤ 1.
+/// A segment: the spheres with radius `radius` + s·`growth` around `start` + s·`axis`, where
+/// 0 ≤ s ≤ 1.
 struct Segment {
     start: DVec3,
     axis: DVec3,
     radius: f64,
     growth: f64,
-    /// What is left of the axis' squared length for a mantle between the end spheres; not positive
-    /// where one of them holds the other.
+    /// The squared axis length minus the squared growth. Not positive if one end sphere contains
+    /// the other, so that there is no mantle between them.
     mantle: f64,
 }
 
 impl Segment {
-    /// The sphere that touches the mantle where it is nearest to `offset` from the start.
+    /// The parameter of the sphere that touches the mantle nearest to `offset` from the start.
     fn share(&self, offset: DVec3) -> f64 {
         (offset.dot(self.axis) + self.radius * self.growth) / self.mantle
     }
 
-    /// As [`Self::share`], for any point of the surface.
+    /// Like [`Self::share`], for any point of the surface.
     fn clamped_share(&self, offset: DVec3) -> f64 {
         if self.mantle > 0.0 {
             self.share(offset).clamp(0.0, 1.0)
@@ -69,11 +70,11 @@ impl Segment {
         (self.axis * s, self.radius + self.growth * s)
     }
 
-    /// Where the line of `offset` + t·`direction` enters the surface.
+    /// Where the line `offset` + t·`direction` enters the surface.
     ///
-    /// The squared distance to the sphere s is least at [`Self::share`]; put in, it leaves a quadratic
-    /// for the mantle. Outside of the double cone that it makes there is nothing, and the convex hull
-    /// is entered but once.
+    /// The squared distance to the sphere s is least at [`Self::share`]. Substituting it gives a
+    /// quadratic for the mantle. The whole surface lies within the double cone that the quadratic
+    /// describes. As the surface is a convex hull, a line enters it only once.
     fn enter(&self, offset: DVec3, direction: DVec3) -> Option<f64> {
         let ball = |s: f64| {
             let (center, radius) = self.sphere(s);
@@ -146,14 +147,15 @@ impl LinearCurve {
         let segment = self.segment(segment);
         let direction = ray.direction.as_dvec3();
         let from_start = ray.origin.as_dvec3() - segment.start;
-        // From the point next to the segment's start, however far the ray's origin is.
+        // Start from the ray's point nearest to the segment, to keep precision for distant ray
+        // origins.
         let shift = -from_start.dot(direction) / direction.length_squared();
         let t = segment.enter(from_start + direction * shift, direction)? + shift;
         let t = t as f32;
         (t > 0.0 && t < ray.t_max).then_some(t)
     }
 
-    /// The surface of a segment where `ray` enters it at distance `t`.
+    /// The surface point where `ray` enters a segment at distance `t`.
     #[inline(never)]
     #[must_use]
     pub fn surface_point(&self, index: u32, ray: &Ray, t: f32) -> SurfacePoint {
@@ -185,7 +187,7 @@ impl LinearCurve {
         }
     }
 
-    /// A box around each segment.
+    /// The bounding box of each segment.
     #[must_use]
     pub fn boxes(&self) -> Vec<Bounds3> {
         let ball = |point: glam::Vec4| {
@@ -199,13 +201,13 @@ impl LinearCurve {
             .collect()
     }
 
-    /// How many segments there are.
+    /// The number of segments.
     #[must_use]
     pub fn segment_count(&self) -> usize {
         self.curves.starts.len()
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.curves.memory_bytes()

@@ -61,14 +61,14 @@ pub fn build(_: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
     placed.map_err(|error| parameters.error(Fault::Geometry, "", error.to_string())).ok()
 }
 
-/// The mesh as the arrays have it, which need not be valid; `None` after reporting arrays of the wrong
-/// shape or type.
+/// Builds the mesh from the arrays without validating it. Returns `None` after reporting arrays
+/// with the wrong shape or type.
 fn read(parameters: &Parameters<'_>) -> Option<TriangleMesh> {
     if !parameters.has("positions") {
         let message = "`mesh` needs the parameter `positions`";
         parameters.error(Fault::MissingParameter, "positions", message);
     }
-    // All are read before the first mistake ends this, so that one run shows all mistakes.
+    // Read all arrays before returning, so that one run reports all errors.
     let positions = vectors::<3>(parameters, "positions");
     let normals = vectors::<3>(parameters, "normals");
     let uvs = vectors::<2>(parameters, "uv");
@@ -88,7 +88,7 @@ fn read(parameters: &Parameters<'_>) -> Option<TriangleMesh> {
     })
 }
 
-/// A buffer with rows of `N` floats; empty where there is none, `None` after reporting what is wrong.
+/// Reads a buffer with rows of `N` floats. Empty if absent; `None` after reporting an error.
 fn vectors<const N: usize>(parameters: &Parameters<'_>, name: &str) -> Option<Vec<[f32; N]>> {
     let Some(buffer) = buffer(parameters, name)? else {
         return Some(Vec::new());
@@ -100,7 +100,7 @@ fn vectors<const N: usize>(parameters: &Parameters<'_>, name: &str) -> Option<Ve
     Some(values.as_chunks::<N>().0.to_vec())
 }
 
-/// The vertices of each triangle.
+/// The vertex indices of each triangle.
 fn triangles(parameters: &Parameters<'_>, vertex_count: usize) -> Option<Vec<[u32; 3]>> {
     let Some(buffer) = buffer(parameters, "indices")? else {
         return consecutive_triangles(parameters, vertex_count);
@@ -117,7 +117,7 @@ fn triangles(parameters: &Parameters<'_>, vertex_count: usize) -> Option<Vec<[u3
     }
 }
 
-/// Every three vertices as a triangle.
+/// Groups every three vertices into a triangle.
 fn consecutive_triangles(
     parameters: &Parameters<'_>,
     vertex_count: usize,
@@ -129,12 +129,12 @@ fn consecutive_triangles(
         parameters.error(Fault::Geometry, "positions", message);
         return None;
     }
-    // Larger counts are refused when the mesh is validated.
+    // Mesh validation rejects larger counts.
     let count = u32::try_from(vertex_count).unwrap_or(0);
     Some((0..count / 3).map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner)).collect())
 }
 
-/// The attributes of a domain, which has `count` carriers.
+/// The attributes of a domain with `count` elements.
 fn attributes(
     parameters: &Parameters<'_>,
     domain: AttributeDomain,
@@ -145,7 +145,8 @@ fn attributes(
             return wrong_type(parameters, name, buffer, "floats, bytes or 16-bit integers");
         };
         let channels = values.len().checked_div(count).unwrap_or(1).max(1);
-        // A buffer of rows has one for each carrier; of a flat one, the length alone tells.
+        // A buffer of rows has one row per element. For a flat buffer, the length determines the
+        // channels.
         let is_shaped = buffer.shape().len() > 1;
         if channels * count != values.len() || is_shaped && buffer.shape()[0] != count {
             let message = format!(
@@ -162,12 +163,12 @@ fn attributes(
         Some(Attribute { name: name.to_owned(), domain, channels: channels as u32, values })
     };
     let found = parameters.buffers_with_prefix(domain.prefix());
-    // One after the other, so that each has its mistakes reported.
+    // Read all of them, so that all errors are reported.
     let all: Vec<Option<Attribute>> = found.into_iter().map(read).collect();
     all.into_iter().collect()
 }
 
-/// The buffer of that name, if there is one; `None` after reporting something else in its place.
+/// The buffer with that name, if present; `None` after reporting a value of another type.
 fn buffer<'a>(parameters: &Parameters<'a>, name: &str) -> Option<Option<&'a Buffer>> {
     match parameters.buffer(name) {
         None if parameters.has(name) => None,

@@ -1,12 +1,12 @@
-//! `revsurface`: a profile turned about the y axis, intersected exactly.
+//! `revsurface`: a profile rotated about the y axis, intersected exactly.
 //!
-//! Turned about the axis into one half plane, a ray is a hyperbola ([`line`]), and where it crosses
-//! a cubic segment of the profile a polynomial of degree six in the segment's parameter vanishes:
-//! the one that is left when t and the azimuth are eliminated. Segments are cut into short pieces
-//! (`piece`) under a tree of their own (`tree`), and all roots on a piece are isolated by the
-//! signs of its Bernstein coefficients and polished (`roots`).
+//! Rotated about the axis into one half plane, a ray becomes a hyperbola ([`line`]). Eliminating t
+//! and the azimuth leaves a polynomial of degree six in the parameter of a cubic profile segment,
+//! which vanishes where the ray crosses it. Segments are cut into short pieces (`piece`) under a
+//! separate tree (`tree`). All roots on a piece are isolated by the signs of its Bernstein
+//! coefficients and refined (`roots`).
 //!
-//! Everything happens in double precision, in a space where the profile has size one.
+//! All computations use double precision, in a space where the profile has size one.
 
 mod area;
 mod line;
@@ -47,7 +47,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<shape type="revsurface"><curve type="bezier"><vec value="1, 0, 0"/><vec value="0.5, 0.5, 0"/><vec value="0.5, 1, 0"/><vec value="1, 2, 0"/></curve></shape>"#,
 };
 
-/// More control points than anybody draws.
+/// The maximum number of control points; far more than any real profile needs.
 const MAX_SEGMENTS: usize = 10_000;
 
 /// A surface of revolution in world space.
@@ -55,21 +55,21 @@ const MAX_SEGMENTS: usize = 10_000;
 pub struct RevSurface {
     to_local: DAffine3,
     to_world: DAffine3,
-    /// Takes normals to the world, to the front.
+    /// Transforms normals to world space, facing the front side.
     normal_to_world: DMat3,
     pieces: Vec<Piece>,
     tree: Tree,
     segment_count: usize,
-    /// The square of the distance of the farthest point from the local origin.
+    /// The squared distance of the farthest point from the local origin.
     radius_squared: f64,
     bounds: Bounds3,
-    /// The largest coordinate in the world.
+    /// The largest world coordinate.
     extent: f64,
     area: f32,
     sampling: Option<AreaTable>,
 }
 
-/// Where a line passes through the surface.
+/// A crossing of a line with the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The ray's parameter, which may be negative.
@@ -168,8 +168,8 @@ impl ShapeModel for RevSurface {
 }
 
 impl RevSurface {
-    /// Turns `segments` about the y axis; `None` where nothing of them is off that axis, or the
-    /// transform has no inverse. The front is on the left of the profile, unless `flip_normals`.
+    /// Rotates `segments` about the y axis. Returns `None` if all of them lie on the axis, or if
+    /// the transform is singular. The front is on the left of the profile, unless `flip_normals`.
     #[must_use]
     pub fn new(segments: &[Segment], to_world: DAffine3, flip_normals: bool) -> Option<Self> {
         let points = || segments.iter().flatten();
@@ -201,7 +201,7 @@ impl RevSurface {
             tree: Tree::new(&pieces.iter().map(Piece::extent).collect::<Vec<_>>()),
             pieces,
             segment_count: segments.len(),
-            // A little more, so that rounding loses nothing.
+            // Enlarged slightly to allow for rounding.
             radius_squared: unit.iter().flatten().map(farthest).fold(0.0, f64::max) * (1.0 + 1e-9),
             bounds,
             extent: f64::from(bounds.min.abs().max(bounds.max.abs()).max_element()),
@@ -212,12 +212,12 @@ impl RevSurface {
         Some(surface)
     }
 
-    /// Makes the surface ready to be a light.
+    /// Prepares the surface for sampling as a light.
     pub fn prepare_sampling(&mut self) {
         self.sampling = area::measure(self).0;
     }
 
-    /// The distance at which the ray first meets the surface, and the place there for
+    /// The distance at which the ray first hits the surface, and the place there for
     /// [`Self::surface_point`].
     #[inline]
     #[must_use]
@@ -240,7 +240,7 @@ impl RevSurface {
         nearest
     }
 
-    /// Whether the ray meets the surface at all.
+    /// Whether the ray hits the surface.
     #[inline]
     #[must_use]
     pub fn occludes(&self, ray: &Ray) -> bool {
@@ -257,8 +257,8 @@ impl RevSurface {
             .is_break()
     }
 
-    /// Where the line of the ray passes through the surface, also behind the origin, in order of t.
-    /// Where it only touches the surface it does not pass through it.
+    /// Where the line of the ray crosses the surface, also behind the origin, in order of t.
+    /// Tangential contacts do not count as crossings.
     #[must_use]
     pub fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
         let mut crossings = Vec::new();
@@ -276,7 +276,7 @@ impl RevSurface {
         crossings
     }
 
-    /// How far from the middle of the line its end in the surface's sphere is, at most.
+    /// Half the length of the line within the surface's bounding sphere.
     fn reach(&self, line: &Line) -> f64 {
         (self.radius_squared - line.origin.length_squared()).max(0.0).sqrt()
     }
@@ -289,8 +289,8 @@ impl RevSurface {
         [line.start.max(-reach), end.min(reach)]
     }
 
-    /// The surface where `ray` meets it at distance `t`, and at the place that
-    /// [`Self::intersect`] has given.
+    /// The surface point that `ray` hits at distance `t`, at the place that [`Self::intersect`]
+    /// returned.
     #[inline(never)]
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32, place: Vec2) -> SurfacePoint {
@@ -299,8 +299,8 @@ impl RevSurface {
         let t = f64::from(t);
         let at = match Line::new(&self.to_local, ray, f64::INFINITY) {
             Some(line) => {
-                // The digits of t that single precision has cut off, except where a grazing ray
-                // makes the recomputed one the worse of the two.
+                // Restores the digits of t lost to single precision. For grazing rays, the
+                // recomputed value may be less accurate, so clamp it.
                 let slack = t * f64::from(f32::EPSILON);
                 let refined = line.ray_parameter(line.parameter(point.x, point.y));
                 line.at(line.local_parameter(refined.clamp(t - slack, t + slack)))
@@ -311,7 +311,7 @@ impl RevSurface {
         self.at(piece, s, (at.z * side).atan2(at.x * side))
     }
 
-    /// The surface at a parameter of a piece and an azimuth.
+    /// The surface point at a parameter of a piece and an azimuth.
     fn at(&self, piece: usize, s: f64, azimuth: f64) -> SurfacePoint {
         let control = self.pieces[piece].control();
         let (place, tangent) = (profile::point(&control, s), profile::tangent(&control, s));
@@ -319,7 +319,7 @@ impl RevSurface {
         let turned = |p: DVec2| DVec3::new(p.x * cos, p.y, p.x * sin);
         let point = self.to_world.transform_point3(turned(place)).as_vec3();
         let on_axis = place.x == 0.0;
-        // The left of the profile; on the axis, the axis.
+        // The normal to the left of the profile; on the axis, the axis itself.
         let left = if on_axis {
             DVec3::Y.copysign(DVec3::splat(tangent.x))
         } else {
@@ -336,7 +336,7 @@ impl RevSurface {
         let u = if turns < 0.0 { turns + 1.0 } else { turns };
         SurfacePoint {
             point,
-            // The place is exact in double precision; only its last rounding counts.
+            // The position is computed in double precision; only its last rounding counts.
             error: point.abs() * rounding_error_bound(2)
                 + Vec3::splat((self.extent * 1e-12) as f32),
             normal,
@@ -359,39 +359,39 @@ impl RevSurface {
             .map(|v| self.to_world.transform_vector3(v))
     }
 
-    /// The area per u and v.
+    /// The area element per u and v.
     fn jacobian(&self, piece: usize, s: f64, azimuth: f64) -> f32 {
         let [around, along] = self.tangents(piece, s, azimuth);
         around.cross(along).length() as f32
     }
 
-    /// The coordinate along the profile.
+    /// The coordinate along the profile of a piece's parameter.
     fn v(&self, piece: usize, s: f64) -> f64 {
         let Piece { segment, range: [start, end], .. } = self.pieces[piece];
         (f64::from(segment) + start + (end - start) * s) / self.segment_count as f64
     }
 
-    /// The piece's parameter of a coordinate along the profile.
+    /// The piece's parameter for a coordinate along the profile.
     fn piece_parameter(&self, piece: usize, v: f64) -> f64 {
         let Piece { segment, range: [start, end], .. } = self.pieces[piece];
         let s = v * self.segment_count as f64 - f64::from(segment);
         ((s - start) / (end - start)).clamp(0.0, 1.0)
     }
 
-    /// The box around the surface, rounded outwards.
+    /// The bounding box, rounded outwards.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.bounds
     }
 
-    /// The surface's area.
+    /// The surface area.
     #[must_use]
     pub fn area(&self) -> f32 {
         self.area
     }
 
-    /// A point almost uniform in area, with its true density; `None` where the surface has no area or
-    /// was not made ready.
+    /// Samples a point almost uniform in area, with its exact density; `None` if the surface has no
+    /// area or was not prepared.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
         Some(self.sampling.as_ref()?.sample(self, random))
@@ -404,7 +404,7 @@ impl RevSurface {
         self.sampling.as_ref().map_or(0.0, |table| table.pdf(v, dp_du, dp_dv))
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.pieces.as_slice())
@@ -413,10 +413,10 @@ impl RevSurface {
     }
 }
 
-/// The box around the turned control points.
+/// The bounding box of the rotated control points.
 fn bounds<'a>(to_world: &DAffine3, points: impl Iterator<Item = &'a DVec2>) -> Bounds3 {
     let axes = to_world.matrix3;
-    // A circle of radius vectors a and b reaches √(aᵢ² + bᵢ²) along each axis i.
+    // A circle with radius vectors a and b extends √(aᵢ² + bᵢ²) along each axis i.
     let reach = (axes.x_axis * axes.x_axis + axes.z_axis * axes.z_axis).map(f64::sqrt);
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;

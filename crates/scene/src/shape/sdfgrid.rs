@@ -1,7 +1,7 @@
-//! `sdfgrid`: where a signed distance on a grid is zero.
+//! `sdfgrid`: the zero set of a signed distance on a grid.
 //!
-//! Between the samples at its corners a voxel interpolates trilinearly, so along a ray the value is a
-//! cubic, and the surface is at its first root (Hansson-Söderlund, Evans and Akenine-Möller, "Ray
+//! A voxel interpolates the samples at its corners trilinearly. Along a ray the value is therefore
+//! a cubic, and the surface is at its first root (Hansson-Söderlund, Evans and Akenine-Möller, "Ray
 //! Tracing of Signed Distance Function Grids", JCGT 11(3), 2022).
 
 use super::{ShapeModel, SurfacePoint};
@@ -37,14 +37,14 @@ pub const MANUAL: Manual = Manual {
 /// A signed distance on a grid in world space.
 #[derive(Clone, Debug)]
 pub struct SdfGrid {
-    /// World to a space in which grid points have integer coordinates.
+    /// World to grid space, where grid points have integer coordinates.
     to_grid: DAffine3,
     to_world: DAffine3,
     normal_to_world: DMat3,
     /// Grid points along x, y and z.
     size: [u32; 3],
     values: Vec<f32>,
-    /// The least corners of the voxels that the surface passes through, as indices of values.
+    /// The minimum corners of the voxels that the surface passes through, as indices of values.
     voxels: Vec<u32>,
     has_smooth_normals: bool,
 }
@@ -90,9 +90,9 @@ fn read_normals(parameters: &Parameters<'_>) -> Option<bool> {
     }
 }
 
-/// The interpolated value between eight corners, x fastest.
+/// Interpolates trilinearly between eight corners, x fastest.
 ///
-/// Weights of 0 and 1 give a corner exactly: two voxels that share a face agree on it.
+/// Weights of 0 and 1 give the corner values exactly, so two voxels agree on their shared face.
 fn interpolate(corners: &[f64; 8], at: DVec3) -> f64 {
     let mix = |a: f64, b: f64, share: f64| a * (1.0 - share) + b * share;
     let along_x = |i: usize| mix(corners[i], corners[i + 1], at.x);
@@ -128,8 +128,8 @@ impl ShapeModel for SdfGrid {
 }
 
 impl SdfGrid {
-    /// The surface of `values` at the points of a grid of this `size`, x fastest, whose corners
-    /// `to_world` takes from those of the unit cube. Each side has at least two points.
+    /// Builds the surface from the `values` at the points of a grid of this `size`, x fastest.
+    /// `to_world` maps the unit cube to the grid's box. Each side has at least two points.
     fn new(size: [u32; 3], values: Vec<f32>, to_world: DAffine3, has_smooth_normals: bool) -> Self {
         let steps = DVec3::from_array(size.map(|side| f64::from(side - 1)));
         let to_world = to_world * DAffine3::from_scale(steps.recip());
@@ -172,21 +172,21 @@ impl SdfGrid {
         })
     }
 
-    /// The grid coordinates of a voxel's least corner.
+    /// The grid coordinates of a voxel's minimum corner.
     fn place(&self, least: u32) -> [u32; 3] {
         let [width, height, _] = self.size;
         [least % width, least / width % height, least / width / height]
     }
 
-    /// The distance at which the ray first meets the surface within a voxel.
+    /// The distance at which the ray first hits the surface within a voxel.
     #[must_use]
     pub fn intersect(&self, voxel: u32, ray: &Ray) -> Option<f32> {
         let least = self.voxels[voxel as usize];
         let low = DVec3::from_array(self.place(least).map(f64::from));
         let origin = self.to_grid.transform_point3(ray.origin.as_dvec3());
         let direction = self.to_grid.transform_vector3(ray.direction.as_dvec3());
-        // Which faces the ray passes, and when. On an axis along which it does not move it is between
-        // the faces or it is not.
+        // When the ray passes which faces. On an axis along which it does not move, it is either
+        // between the faces or outside.
         let mut span = [(0.0, None), (f64::from(ray.t_max), None)];
         for axis in 0..3 {
             if direction[axis] == 0.0 {
@@ -223,7 +223,7 @@ impl SdfGrid {
         (t > 0.0 && t < ray.t_max).then_some(t)
     }
 
-    /// The surface within a voxel where `ray` meets it at distance `t`.
+    /// The surface point within a voxel that `ray` hits at distance `t`.
     #[inline(never)]
     #[must_use]
     pub fn surface_point(&self, voxel: u32, ray: &Ray, t: f32) -> SurfacePoint {
@@ -236,7 +236,7 @@ impl SdfGrid {
         let slack = t * f64::from(f32::EPSILON);
         let rounded = t;
         for _ in 0..2 {
-            // The digits that single precision has cut off; grazing rays keep what they have.
+            // Restores the digits lost to single precision; grazing rays keep their distance.
             let at = origin + direction * t - low;
             let step = interpolate(&corners, at) / gradient(&corners, at).dot(direction);
             if step.abs() <= slack {
@@ -255,7 +255,7 @@ impl SdfGrid {
         };
         let point = self.to_world.transform_point3(place).as_vec3();
         let (dp_du, dp_dv) = coordinate_system(shading_normal);
-        // A voxel's side is as good a measure as any of what the roots are rounded by.
+        // The side of a voxel is the scale of the roots' rounding error.
         let voxel_size =
             self.to_world.matrix3.to_cols_array().map(f64::abs).into_iter().sum::<f64>();
         SurfacePoint {
@@ -269,10 +269,10 @@ impl SdfGrid {
         }
     }
 
-    /// A direction that does not jump between voxels: the directions of the gradients in the eight
-    /// voxels around the nearest grid point, blended by how near their centres are. A voxel's gradient
-    /// has the differences between its faces, both interpolated at the same place (section 5 of the
-    /// paper). Voxels beyond the grid do not count.
+    /// A gradient direction that is continuous across voxels. Blends the gradients of the eight
+    /// voxels around the nearest grid point, weighted by how near their centres are. A voxel's
+    /// gradient is the difference between values interpolated at the same place on opposite faces
+    /// (section 5 of the paper). Voxels outside the grid are ignored.
     fn smooth_gradient(&self, place: DVec3, cell: [u32; 3]) -> DVec3 {
         let mut slopes = [[0.0; 2]; 3];
         let mut shares = [0.0; 3];
@@ -303,13 +303,13 @@ impl SdfGrid {
         sum
     }
 
-    /// A gradient per grid step at unit length, as lengths are in the unit cube.
+    /// Scales a gradient per grid step to unit length, as measured in the unit cube.
     fn world_direction(&self, slope: DVec3) -> DVec3 {
         let steps = DVec3::from_array(self.size.map(|side| f64::from(side - 1)));
         (slope * steps).normalize_or_zero() / steps
     }
 
-    /// The value on the grid's plane `index` across `axis`, at `place` along the other two axes.
+    /// The value on the grid plane `index` across `axis`, at `place` along the other two axes.
     fn on_plane(&self, axis: usize, index: u32, place: DVec3, cell: [u32; 3]) -> f64 {
         let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
         let at = |i: u32, j: u32| {
@@ -322,7 +322,7 @@ impl SdfGrid {
         mix(mix(at(0, 0), at(1, 0), s), mix(at(0, 1), at(1, 1), s), t)
     }
 
-    /// A box around each voxel that the surface passes through.
+    /// The bounding box of each voxel that the surface passes through.
     #[must_use]
     pub fn boxes(&self) -> Vec<Bounds3> {
         let boxed = |least: &u32| {
@@ -337,13 +337,13 @@ impl SdfGrid {
         self.voxels.iter().map(boxed).collect()
     }
 
-    /// How many voxels the surface passes through.
+    /// The number of voxels that the surface passes through.
     #[must_use]
     pub fn voxel_count(&self) -> usize {
         self.voxels.len()
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.values.as_slice()) + size_of_val(self.voxels.as_slice())
@@ -360,10 +360,10 @@ fn gradient(corners: &[f64; 8], at: DVec3) -> DVec3 {
     DVec3::new(difference(0), difference(1), difference(2))
 }
 
-/// The first place in [0, 1] where a cubic changes its sign, zero counting as positive. The values at
-/// the ends are given, so that neighbours agree on them.
+/// The first place in [0, 1] where a cubic changes sign; zero counts as positive. The end values
+/// are passed in, so that adjacent voxels agree on them.
 fn first_root([at_start, at_end]: [f64; 2], value: impl Fn(f64) -> f64) -> Option<f64> {
-    // The cubic through four of its points, in powers around the start.
+    // Fits the cubic through four of its points, in powers from the start.
     let [a, b, c, d] = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(&value);
     let linear = 0.5 * (-11.0 * a + 18.0 * b - 9.0 * c + 2.0 * d);
     let quadratic = 4.5 * (2.0 * a - 5.0 * b + 4.0 * c - d);
@@ -381,7 +381,7 @@ fn first_root([at_start, at_end]: [f64; 2], value: impl Fn(f64) -> f64) -> Optio
     None
 }
 
-/// The root between two places where the signs differ: regula falsi in the Illinois way, and
+/// The root between two places with different signs: regula falsi (Illinois variant), with
 /// bisection in every third step.
 fn root_between(mut low: (f64, f64), mut high: (f64, f64), value: impl Fn(f64) -> f64) -> f64 {
     for step in 0..100 {

@@ -28,7 +28,7 @@ pub const MANUAL: Manual = Manual {
 /// Reads the file and places the mesh.
 #[must_use]
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
-    // In range since it was read.
+    // In range: validated when read.
     let shape_index = parameters.integer_in("shape_index", 0, 0..=i64::from(u32::MAX)) as u32;
     assets.read_mesh(parameters, |_, bytes| read_serialized(bytes, shape_index))
 }

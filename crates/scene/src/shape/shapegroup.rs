@@ -23,6 +23,6 @@ pub const MANUAL: Manual = Manual {
 pub struct Group {
     /// The tree, in the group's space.
     pub bvh: Arc<Bvh>,
-    /// The first of the group's shapes in the scene's vector; the others follow.
+    /// The index of the group's first shape in the scene's vector; the others follow.
     pub first_shape: ShapeId,
 }

@@ -1,4 +1,4 @@
-//! `sphere`: intersected in double precision, sampled within the cone that a point sees.
+//! `sphere`: intersected in double precision; sampled within the cone seen from a point.
 
 use super::{ShapeModel, ShapeSample, SurfacePoint};
 use crate::builder::Assets;
@@ -36,7 +36,8 @@ pub const MANUAL: Manual = Manual {
 pub struct Sphere {
     center: DVec3,
     radius: f64,
-    /// World directions to the sphere's own axes, for its coordinates; a rotation, or a reflection.
+    /// World directions to the sphere's local axes, for its coordinates; a rotation or a
+    /// reflection.
     to_local: DMat3,
     flip_normals: bool,
 }
@@ -106,13 +107,13 @@ impl ShapeModel for Sphere {
 }
 
 impl Sphere {
-    /// The distance at which the ray first meets the surface.
+    /// The distance at which the ray first hits the surface.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<f32> {
         let (origin, direction) = (ray.origin.as_dvec3() - self.center, ray.direction.as_dvec3());
-        // Expanding around the point of the ray nearest to the centre keeps the discriminant exact
-        // where the origin is many radii away (Haines et al., Ray Tracing Gems, chapter 7).
+        // Expanding around the point of the ray nearest to the centre keeps the discriminant
+        // accurate if the origin is many radii away (Haines et al., Ray Tracing Gems, chapter 7).
         let a = direction.length_squared();
         let nearest = -origin.dot(direction) / a;
         let miss = origin + direction * nearest;
@@ -122,15 +123,15 @@ impl Sphere {
         [(nearest + low) as f32, (nearest + high) as f32].into_iter().find(inside)
     }
 
-    /// The surface where the ray meets it at distance `t`.
+    /// The surface point that the ray hits at distance `t`.
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32) -> SurfacePoint {
         let hit = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(t);
-        // t is rounded, so the point lies a little off the surface: take it back.
+        // t is rounded, so the point lies slightly off the surface. Project it back.
         self.at((hit - self.center).normalize_or(DVec3::Z))
     }
 
-    /// The surface in the unit direction `outwards` from the centre.
+    /// The surface point in the unit direction `outwards` from the centre.
     fn at(&self, outwards: DVec3) -> SurfacePoint {
         let point = (self.center + outwards * self.radius).as_vec3();
         let local = self.to_local * outwards;
@@ -151,8 +152,8 @@ impl Sphere {
         let normal = if self.flip_normals { -normal } else { normal };
         SurfacePoint {
             point,
-            // The centre, the radius and the direction are known in double precision: only the last
-            // rounding of each coordinate counts, and the products' 1e-16 of the radius.
+            // Centre, radius and direction are in double precision. Only the last rounding of each
+            // coordinate counts, plus an error of 1e-16 radii from the products.
             error: point.abs() * rounding_error_bound(2)
                 + Vec3::splat((self.radius * 1e-15) as f32),
             normal,
@@ -163,7 +164,7 @@ impl Sphere {
         }
     }
 
-    /// The box around the sphere, rounded outwards.
+    /// The bounding box, rounded outwards.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         let grow = |v: DVec3, sign: f64| {
@@ -176,7 +177,7 @@ impl Sphere {
         Bounds3::new(grow(self.center, -1.0), grow(self.center, 1.0))
     }
 
-    /// The surface's area.
+    /// The surface area.
     #[must_use]
     pub fn area(&self) -> f32 {
         (4.0 * std::f64::consts::PI * self.radius * self.radius) as f32
@@ -194,23 +195,24 @@ impl Sphere {
         }
     }
 
-    /// A point uniform in area.
+    /// Samples a point uniform in area.
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> ShapeSample {
         self.sample_at(warp::uniform_sphere::sample(random).as_dvec3(), 1.0 / self.area())
     }
 
-    /// sin² of the half angle under which the sphere is seen from `reference`, in single precision;
-    /// `None` from inside.
+    /// sin² of half the angle that the sphere subtends at `reference`, in single precision; `None`
+    /// from inside.
     fn sin2_half_angle(&self, reference: Vec3) -> Option<f64> {
         let distance_squared = (self.center - reference.as_dvec3()).length_squared();
         let sin2 = self.radius * self.radius / distance_squared;
-        // Points on the surface itself count as inside: the cone would be the half space, and the
-        // far side of the surface is what they see.
+        // Points on the surface count as inside: the cone would be a half space, and they see the
+        // far side.
         (sin2 < 1.0 - 1e-6).then_some(sin2)
     }
 
-    /// A point of the visible cap, uniform in solid angle from `reference`; from inside, uniform in area.
+    /// Samples a point of the visible cap, uniform in solid angle from `reference`; from inside,
+    /// uniform in area.
     #[must_use]
     pub fn sample_direction(&self, reference: Vec3, random: Vec2) -> Option<ShapeSample> {
         let Some(sin2_max) = self.sin2_half_angle(reference) else {
@@ -219,11 +221,11 @@ impl Sphere {
         let height = cone_height(sin2_max);
         let to_reference = reference.as_dvec3() - self.center;
         let distance = to_reference.length();
-        // cos θ = 1 − u (1 − cos θmax), kept as 1 − cos for small cones.
+        // cos θ = 1 − u (1 − cos θmax), kept as 1 − cos for accuracy in small cones.
         let one_minus_cos = f64::from(random.x) * height;
         let sin2 = one_minus_cos * (2.0 - one_minus_cos);
         let cos = 1.0 - one_minus_cos;
-        // The angle at the centre between the direction to the reference and to the point.
+        // The angle at the centre between the directions to the reference and to the point.
         let along = distance * cos
             - (self.radius * self.radius - distance * distance * sin2).max(0.0).sqrt();
         let sin_center = (along * sin2.sqrt() / self.radius).min(1.0);

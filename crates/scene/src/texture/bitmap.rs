@@ -70,35 +70,36 @@ pub const MANUAL: Manual = Manual {
 </texture>"#,
 };
 
-/// How values between the centres of texels come about.
+/// How values between texel centres are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FilterMode {
-    /// Linear in both directions.
+    /// Bilinear interpolation.
     #[default]
     Bilinear,
-    /// The value of the nearest.
+    /// The value of the nearest texel.
     Nearest,
 }
 
-/// How a picture is read.
+/// Options for reading a picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BitmapOptions {
-    /// Between the centres of texels.
+    /// How to filter between texel centres.
     pub filter: FilterMode,
-    /// Outside the unit square.
+    /// How to continue outside the unit square.
     pub wrap: WrapMode,
-    /// Whether numbers are taken as they are, without sRGB decoding.
+    /// Whether values are used as they are, without sRGB decoding.
     pub raw: bool,
-    /// One channel, instead of all colours.
+    /// The channel to use instead of the colours.
     pub channel: Option<Channel>,
     /// Applied to texture coordinates.
     pub to_uv: Affine2,
 }
 
-/// A picture over the unit square: (0, 0) is the left upper corner of the first texel, v runs down.
+/// A picture over the unit square: (0, 0) is the upper left corner of the first texel, and v runs
+/// down.
 #[derive(Clone, Debug)]
 pub struct BitmapTexture {
-    /// Shared by all textures that take the same of one file.
+    /// Shared by all textures that use the same channels of a file.
     texels: Arc<Texels>,
     filter: FilterMode,
     wrap: WrapMode,
@@ -111,8 +112,8 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
     load(builder.assets, std::slice::from_ref(parameters)).pop().flatten()
 }
 
-/// Reads textures that name the same file, which is decoded once. With nothing but files to depend
-/// on: several can be read at once.
+/// Reads textures that name the same file, which is decoded once. Depends on files only, so calls
+/// can run in parallel.
 #[must_use]
 pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<BitmapTexture>> {
     if let [only] = all
@@ -148,7 +149,7 @@ pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<Bitma
     all.iter().zip(options).map(texture).collect()
 }
 
-/// Reads a texture whose picture is a buffer.
+/// Reads a texture from a buffer.
 fn in_memory(parameters: &Parameters<'_>) -> Option<BitmapTexture> {
     let options = BitmapOptions::read(parameters);
     let bitmap = picture_in_memory::read(parameters)?;
@@ -162,13 +163,14 @@ fn in_memory(parameters: &Parameters<'_>) -> Option<BitmapTexture> {
     texture
 }
 
-/// What a texture takes of a picture: which channel, and whether its numbers are taken as they are.
+/// What a texture uses of a picture: the channel, and whether values are not decoded.
 type Selection = (Option<Channel>, bool);
 
-/// The texels of a picture for everything that is asked for; `None` where there is no such channel.
+/// The texels of a picture for each selection; `None` if there is no such channel.
 type Selected = Vec<(Selection, Option<Arc<Texels>>)>;
 
-/// The picture that textures name, and where it lies; `None` after reporting what is wrong with it.
+/// Reads the picture that the textures name, with its path. Returns `None` after reporting an
+/// error.
 fn read_selections(
     assets: &Assets<'_>,
     all: &[Parameters<'_>],
@@ -194,7 +196,7 @@ fn read_selections(
     {
         return Some(kept);
     }
-    // Where there is no such file, each has it reported.
+    // If the file is missing, report it for each texture.
     let file = names.into_iter().find_map(|(name, span)| assets.read_named_file(name, span));
     let (path, bytes) = file?;
     let bitmap = etendue_image::decode(&bytes, &path.to_string_lossy());
@@ -218,13 +220,13 @@ fn read_selections(
     Some((path, taken))
 }
 
-/// A selection as a cache tells it from others.
+/// The cache key of a selection.
 fn way(selection: Selection) -> String {
     format!("{selection:?}")
 }
 
 fn take(bitmap: Bitmap, selections: Vec<Selection>) -> Selected {
-    // Mostly there is one, which needs no copy.
+    // There is usually only one, which needs no copy.
     let mut copies = vec![bitmap];
     while copies.len() < selections.len() {
         copies.push(copies[0].clone());
@@ -236,7 +238,7 @@ fn take(bitmap: Bitmap, selections: Vec<Selection>) -> Selected {
     selections.into_iter().zip(copies).map(texels).collect()
 }
 
-/// Whose fault it is that a picture cannot be read.
+/// Classifies the error of a picture that cannot be read.
 fn fault(error: &ImageError) -> Fault {
     match error {
         ImageError::UnknownFormat { .. } | ImageError::Unsupported { .. } => Fault::Unsupported,
@@ -250,7 +252,7 @@ impl BitmapOptions {
         (self.channel, self.raw)
     }
 
-    /// Reads everything but the file; `None` after an error has been reported.
+    /// Reads everything but the file. Returns `None` after reporting an error.
     fn read(parameters: &Parameters<'_>) -> Option<Self> {
         const FILTERS: [(&str, FilterMode); 2] =
             [("bilinear", FilterMode::Bilinear), ("nearest", FilterMode::Nearest)];
@@ -278,23 +280,23 @@ impl BitmapOptions {
     }
 }
 
-/// The two texels on either side of a place along one axis.
+/// The two texels on either side of a coordinate.
 #[derive(Clone, Copy)]
 struct Neighbours {
     low: usize,
     high: usize,
-    /// The share of the higher one.
+    /// The weight of the higher texel.
     fraction: f32,
-    /// −1 where the picture is reversed, or else 1.
+    /// −1 where the picture is mirrored, otherwise 1.
     sign: f32,
 }
 
-/// Four neighbouring texels and the shares among them.
+/// Four adjacent texels and their weights.
 struct Footprint {
-    /// Left upper, right upper, left lower, right lower.
+    /// Upper left, upper right, lower left, lower right.
     indices: [usize; 4],
     fraction: Vec2,
-    /// Texels per unit of u and v, negative where the picture is reversed.
+    /// Texels per unit of u and v, negative where the picture is mirrored.
     scale: Vec2,
 }
 
@@ -321,7 +323,7 @@ impl TextureModel for BitmapTexture {
 }
 
 impl BitmapTexture {
-    /// Takes over a picture; `None` where it lacks the channel that is asked for, or has no texels.
+    /// Takes a picture. Returns `None` if it lacks the requested channel or has no texels.
     #[must_use]
     pub fn new(bitmap: Bitmap, options: &BitmapOptions) -> Option<Self> {
         let texels = Texels::new(bitmap, options.channel, options.raw)?;
@@ -333,7 +335,7 @@ impl BitmapTexture {
         Self { texels, filter, wrap, to_uv }
     }
 
-    /// The colour at `uv`; grey where the picture is.
+    /// The colour at `uv`; grey for pictures with one channel.
     #[inline]
     #[must_use]
     pub fn eval(&self, uv: Vec2) -> Spectrum {
@@ -369,8 +371,8 @@ impl BitmapTexture {
 
     /// The derivatives of the scalar by u and v; zero for [`FilterMode::Nearest`].
     ///
-    /// Mitsuba's `eval_1_grad`, except where `to_uv` rotates a picture that is not square: there,
-    /// Mitsuba 3.9.1 confuses the two resolutions.
+    /// Same as Mitsuba's `eval_1_grad`, unless `to_uv` rotates a picture that is not square:
+    /// Mitsuba 3.9.1 then swaps the two resolutions.
     #[inline]
     #[must_use]
     pub fn gradient(&self, uv: Vec2) -> Vec2 {
@@ -397,11 +399,11 @@ impl BitmapTexture {
         [self.texels.width, self.texels.height]
     }
 
-    /// The luminance of a texel, or its only channel: for distributions over a picture. Column and
-    /// row are counted from the left upper corner and must be below the [`resolution`].
+    /// The only channel of a texel, or its luminance, to build a distribution over a picture.
+    /// Column and row count from the upper left corner and must be less than the [`resolution`].
     ///
     /// # Panics
-    /// If they are not, and the texel would lie outside the picture.
+    /// If column or row is out of range and the texel would lie outside the picture.
     ///
     /// [`resolution`]: Self::resolution
     #[inline]
@@ -419,7 +421,7 @@ impl BitmapTexture {
         row * self.texels.width as usize + column
     }
 
-    /// The texels around `uv`.
+    /// The texels around `uv`, with their weights.
     #[inline]
     fn footprint(&self, uv: Vec2) -> Footprint {
         let uv = self.to_uv.transform_point2(uv);
@@ -436,7 +438,7 @@ impl BitmapTexture {
 }
 
 impl WrapMode {
-    /// A coordinate brought into [0, 1], and the sign of its derivative. NaN may stay NaN.
+    /// Wraps a coordinate to [0, 1] and returns the sign of its derivative. NaN may remain NaN.
     #[inline]
     fn reduce(self, coordinate: f32) -> (f32, f32) {
         match self {
@@ -449,19 +451,19 @@ impl WrapMode {
         }
     }
 
-    /// The texel at a coordinate, out of `size`.
+    /// The texel index of a coordinate, out of `size` texels.
     #[inline]
     fn texel(self, coordinate: f32, size: u32) -> usize {
         let (place, _) = self.reduce(coordinate);
-        // A cast of NaN gives zero.
+        // Casting NaN gives zero.
         ((place * size as f32) as u32).min(size - 1) as usize
     }
 
-    /// The texels whose centres lie on either side of a coordinate, out of `size`.
+    /// The texels whose centres are on either side of a coordinate, out of `size` texels.
     #[inline]
     fn neighbours(self, coordinate: f32, size: u32) -> Neighbours {
         let (place, sign) = self.reduce(coordinate);
-        // From half a texel before the first centre on; one is added so that casts round down.
+        // Starts half a texel before the first centre. Adding one makes casts round down.
         let position = place * size as f32 + 0.5;
         let above = (position as u32).min(size);
         let fraction = position - above as f32;
@@ -475,10 +477,10 @@ impl WrapMode {
     }
 }
 
-/// What is left of a number above the next lower whole one, in [0, 1].
+/// The fractional part of a number, in [0, 1].
 ///
-/// Without SSE4.1, which a plain build cannot count on, `floor` is a call: this halves the time of
-/// bringing both coordinates into range. Beyond 2³¹, where floats have no fraction, the end of the
+/// Without SSE4.1, which a default build cannot assume, `floor` is a function call. This halves the
+/// time to wrap both coordinates. Beyond 2³¹ floats have no fractional part, and the end of the
 /// interval is as good as any place.
 #[inline]
 fn fraction(number: f32) -> f32 {

@@ -1,4 +1,4 @@
-//! `checkerboard`: two colours in squares.
+//! `checkerboard`: squares in two colours.
 
 use super::{ColorSource, TextureModel, Textures};
 use crate::builder::Builder;
@@ -35,7 +35,7 @@ pub const MANUAL: Manual = Manual {
 </texture>"#,
 };
 
-/// Two colours in squares.
+/// Squares in two colours.
 #[derive(Clone, Copy, Debug)]
 pub struct Checkerboard {
     colors: [ColorSource; 2],
@@ -74,22 +74,22 @@ impl Checkerboard {
         self.colors[square(uv)].eval(textures, surface)
     }
 
-    /// The number at a surface point: that of the *other* colour. Mitsuba 3.9.1 has the squares the
-    /// other way round where a number is asked for, and its reference pictures hold that.
+    /// The scalar at a surface point, which is that of the *other* colour. For scalars, Mitsuba
+    /// 3.9.1 swaps the squares, and its reference images depend on it.
     #[must_use]
     pub fn eval_scalar(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
         let uv = self.to_uv.transform_point2(surface.uv);
         self.colors[1 - square(uv)].eval(textures, surface).luminance()
     }
 
-    /// The mean colour over the unit square of `uv`, as if `to_uv` showed whole squares.
+    /// The mean colour over the unit square of `uv`, as if `to_uv` covered whole squares.
     #[must_use]
     pub fn mean(&self, textures: Textures<'_>) -> Spectrum {
         (self.colors[0].mean(textures) + self.colors[1].mean(textures)) * 0.5
     }
 }
 
-/// Which of the colours a point has.
+/// The index of the colour at a point.
 fn square(uv: Vec2) -> usize {
     let place = uv - uv.floor();
     usize::from((place.x > 0.5) != (place.y > 0.5))
@@ -103,7 +103,7 @@ mod tests {
     use etendue_math::Frame;
     use glam::{DMat4, DVec3, Vec3};
 
-    /// Read from Mitsuba 3.9.1.
+    /// Taken from Mitsuba 3.9.1.
     #[test]
     fn squares_are_where_mitsuba_has_them() {
         let cases = [

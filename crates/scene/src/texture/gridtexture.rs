@@ -1,4 +1,4 @@
-//! `gridtexture`: lines along the edges of squares. From Mitsuba 0.6.
+//! `gridtexture`: lines along the edges of squares, from Mitsuba 0.6.
 
 use super::{ColorSource, TextureModel, Textures};
 use crate::builder::Builder;

@@ -1,4 +1,4 @@
-//! `mesh_attribute`: what a mesh file says of its vertices or faces.
+//! `mesh_attribute`: an attribute of a mesh's vertices or faces.
 
 use super::{TextureModel, Textures};
 use crate::builder::Builder;
@@ -38,28 +38,28 @@ pub const MANUAL: Manual = Manual {
 </scene>"#,
 };
 
-/// An attribute of the mesh that it lies on.
+/// An attribute of the mesh to which the texture is applied.
 #[derive(Clone, Debug)]
 pub struct MeshAttribute {
     name: String,
     scale: f32,
-    /// By shape, in ascending order: found by bisection, as few shapes have any.
+    /// By shape in ascending order, for binary search, as few shapes have any.
     places: Vec<(ShapeId, Arc<TriangleValues>)>,
 }
 
-/// The values of an attribute on one mesh, side by side for each triangle.
+/// The values of an attribute on one mesh, grouped by triangle.
 ///
-/// Values of vertices are repeated for each of their triangles: one place in memory is read at a
-/// hit, and the texture need not know the mesh's indices.
+/// Vertex values are repeated for each triangle: a hit reads one place in memory, and the texture
+/// does not need the mesh's indices.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TriangleValues {
     is_grey: bool,
-    /// Whether each triangle has three values, one for each corner, or one in all.
+    /// Whether each triangle has three values, one per corner, rather than one.
     has_corners: bool,
     values: Vec<f32>,
 }
 
-/// Reads the texture; its values come when all shapes are there.
+/// Reads the texture. Its values are added once all shapes have been built.
 #[must_use]
 pub fn build(_: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<MeshAttribute> {
     let scale = parameters.float_in("scale", 1.0, -1e30..=1e30) as f32;
@@ -88,20 +88,20 @@ impl TextureModel for MeshAttribute {
 }
 
 impl MeshAttribute {
-    /// The attribute's name, with its domain.
+    /// The attribute's name, including its domain.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Gives the values on a shape, which must come after all that have been given.
+    /// Adds the values on a shape. Shapes must be added in ascending order.
     pub(crate) fn connect(&mut self, shape: ShapeId, values: Arc<TriangleValues>) {
         debug_assert!(self.places.last().is_none_or(|(last, _)| *last < shape));
         self.places.push((shape, values));
     }
 
-    /// The colour at a surface point; black where the shape lacks the attribute, which has been
-    /// reported when the scene was built.
+    /// The colour at a surface point; black if the shape lacks the attribute, which the scene
+    /// builder reports.
     #[must_use]
     pub fn eval(&self, surface: &SurfaceInteraction) -> Spectrum {
         let found = self.places.binary_search_by_key(&surface.shape, |(shape, _)| *shape);
@@ -122,7 +122,7 @@ impl MeshAttribute {
         Spectrum::from_rgb(mean) * self.scale
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.places.iter().map(|(_, values)| size_of_val(values.values.as_slice())).sum()
@@ -130,7 +130,8 @@ impl MeshAttribute {
 }
 
 impl TriangleValues {
-    /// The values on the triangles of a mesh; `None` for other than one, three or four channels.
+    /// Collects the values on the triangles of a mesh; `None` unless there are one, three or four
+    /// channels.
     pub(crate) fn new(attribute: &Attribute, triangles: &[[u32; 3]]) -> Option<Self> {
         let channels = attribute.channels as usize;
         let kept = match channels {
@@ -152,7 +153,7 @@ impl TriangleValues {
         Some(Self { is_grey: kept == 1, has_corners, values })
     }
 
-    /// All values as colours.
+    /// All values, as colours.
     fn colors(&self) -> impl Iterator<Item = Spectrum> + '_ {
         self.values.chunks_exact(self.channels()).map(|value| match *value {
             [red, green, blue] => Spectrum::from_rgb([red, green, blue]),

@@ -1,4 +1,4 @@
-//! `rawconstant`: the same number or vector everywhere, where a texture is asked for.
+//! `rawconstant`: a constant number or vector, used as a texture.
 
 use super::{TextureModel, Textures};
 use crate::builder::Builder;

@@ -1,4 +1,4 @@
-//! `scale`: another texture, times a colour. From Mitsuba 0.6.
+//! `scale`: another texture multiplied by a colour, from Mitsuba 0.6.
 
 use super::{TextureModel, Textures};
 use crate::builder::Builder;
@@ -23,7 +23,7 @@ pub const MANUAL: Manual = Manual {
 </texture>"#,
 };
 
-/// Another texture, times a colour.
+/// Another texture multiplied by a colour.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
     nested: TextureId,
@@ -63,7 +63,7 @@ impl Scale {
         textures.eval(self.nested, surface) * self.factor
     }
 
-    /// The number at a surface point.
+    /// The scalar at a surface point.
     #[must_use]
     pub fn eval_scalar(&self, textures: Textures<'_>, surface: &SurfaceInteraction) -> f32 {
         textures.eval_scalar(self.nested, surface) * self.factor.luminance()

@@ -1,4 +1,4 @@
-//! `volume`: a volume, seen where a surface cuts it.
+//! `volume`: a volume evaluated on a surface.
 
 use super::{TextureModel, Textures};
 use crate::builder::Builder;
@@ -26,7 +26,7 @@ pub const MANUAL: Manual = Manual {
 </texture>"#,
 };
 
-/// A volume, seen where a surface cuts it.
+/// A volume evaluated on a surface.
 #[derive(Clone, Debug)]
 pub struct VolumeTexture {
     volume: Volume,
@@ -59,14 +59,14 @@ impl TextureModel for VolumeTexture {
 }
 
 impl VolumeTexture {
-    /// The colour at a point of the world.
+    /// The colour at a world-space point.
     #[inline]
     #[must_use]
     pub fn eval(&self, point: Vec3) -> Spectrum {
         self.volume.eval(point)
     }
 
-    /// The scalar at a point of the world.
+    /// The scalar at a world-space point.
     #[inline]
     #[must_use]
     pub fn eval_scalar(&self, point: Vec3) -> f32 {

@@ -1,4 +1,4 @@
-//! `constvolume`: the same value everywhere.
+//! `constvolume`: a constant value.
 
 use super::{UNIT_CUBE, VolumeModel};
 use crate::builder::Builder;
@@ -21,7 +21,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<volume type="constvolume"><rgb name="value" value="0.99, 0.8, 0.8"/></volume>"#,
 };
 
-/// The same value everywhere.
+/// A constant value.
 #[derive(Clone, Copy, Debug)]
 pub struct ConstVolume {
     color: Spectrum,
@@ -36,7 +36,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<C
 }
 
 impl ConstVolume {
-    /// A colour, in the unit cube placed by `to_world`.
+    /// A constant colour in the unit cube, placed by `to_world`.
     #[must_use]
     pub fn new(color: Spectrum, to_world: &Transform) -> Self {
         Self { color, bounds: to_world.bounds(&UNIT_CUBE) }

@@ -58,22 +58,22 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<volume type="gridvolume"><string name="filename" value="smoke.vol"/></volume>"#,
 };
 
-/// How values between the middles of cells come about.
+/// How values between cell centres are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FilterMode {
-    /// Linear along each axis.
+    /// Trilinear interpolation.
     #[default]
     Trilinear,
-    /// The value of the nearest.
+    /// The value of the nearest cell.
     Nearest,
 }
 
-/// Values on a grid over the unit cube of its own space.
+/// Values on a grid that fills the unit cube in local space.
 #[derive(Clone, Debug)]
 pub struct GridVolume {
     size: IVec3,
     channels: usize,
-    /// The channels of a cell side by side, x fastest among the cells.
+    /// The channels of a cell are interleaved; x varies fastest among the cells.
     values: Vec<f32>,
     range: [f32; 2],
     filter: FilterMode,
@@ -81,9 +81,9 @@ pub struct GridVolume {
     to_world: Transform,
 }
 
-/// Eight neighbouring cells and the shares among them.
+/// Eight adjacent cells and their weights.
 struct Footprint {
-    /// Positions of the first values: x fastest, then y, then z.
+    /// Offsets of the first values: x fastest, then y, then z.
     starts: [usize; 8],
     fraction: Vec3,
 }
@@ -125,7 +125,8 @@ fn grid_in_file(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Grid
     grid_file::read(&bytes).map_err(report).ok()
 }
 
-/// The grid of a buffer: layers, rows and columns of cells, and channels where there are several.
+/// Reads the grid from a buffer: layers, rows and columns of cells, and channels if there are
+/// several.
 fn grid_in_memory(parameters: &Parameters<'_>) -> Option<GridFile> {
     let fail = |name: &str, message: String| {
         parameters.error(Fault::BadValue, name, message);
@@ -133,7 +134,7 @@ fn grid_in_memory(parameters: &Parameters<'_>) -> Option<GridFile> {
     };
     if parameters.has("filename") {
         let message = "a grid comes from `filename` or from `data`, not from both";
-        // Both are known, though neither is of use.
+        // Mark both as read, so that neither is reported as unknown.
         let _ = (parameters.value("filename"), parameters.value("data"));
         return fail("filename", message.to_owned());
     }
@@ -158,13 +159,13 @@ fn grid_in_memory(parameters: &Parameters<'_>) -> Option<GridFile> {
     }
 }
 
-/// The map of the unit cube to a box.
+/// The transform from the unit cube to a box.
 fn from_unit_cube(bounds: &Bounds3) -> DMat4 {
     DMat4::from_translation(bounds.min.as_dvec3())
         * DMat4::from_scale(bounds.max.as_dvec3() - bounds.min.as_dvec3())
 }
 
-/// Everything but the file.
+/// All parameters except the file.
 struct Options {
     filter: FilterMode,
     wrap: WrapMode,
@@ -238,7 +239,7 @@ impl GridVolume {
         }
     }
 
-    /// The colour at a world point; grey where cells hold one value, and the first three of six.
+    /// The colour at a world-space point: grey for one value per cell, the first three of six.
     #[inline]
     #[must_use]
     pub fn eval(&self, point: Vec3) -> Spectrum {
@@ -250,7 +251,8 @@ impl GridVolume {
         })
     }
 
-    /// The scalar at a world point: the only value, the luminance of a colour, or the mean of six.
+    /// The scalar at a world-space point: the only value, the luminance of a colour, or the mean of
+    /// six.
     #[inline]
     #[must_use]
     pub fn eval_scalar(&self, point: Vec3) -> f32 {
@@ -261,7 +263,7 @@ impl GridVolume {
         }
     }
 
-    /// The six values at a world point; zeros beyond those that cells hold.
+    /// The six values at a world-space point, padded with zeros.
     #[must_use]
     pub fn eval_six(&self, point: Vec3) -> [f32; 6] {
         let channel = |index: usize| {
@@ -271,7 +273,8 @@ impl GridVolume {
         std::array::from_fn(channel)
     }
 
-    /// The value at a world point, of which `read` gives that of the cell that starts at a position.
+    /// The interpolated value at a world-space point. `read` returns the value of the cell at an
+    /// offset.
     #[inline]
     fn interpolate<T: Linear>(&self, point: Vec3, read: impl Fn(usize) -> T) -> T {
         let place = self.to_world.inverse_point(point) * self.size.as_vec3();
@@ -286,7 +289,7 @@ impl GridVolume {
         low.mix(high, fraction.z)
     }
 
-    /// The cells around a place, which counts in cells from the middle of the first one.
+    /// The cells around `place`, which counts cells from the centre of the first one.
     #[inline]
     fn footprint(&self, place: Vec3) -> Footprint {
         let cell = floor(place);
@@ -308,7 +311,7 @@ impl GridVolume {
         }
     }
 
-    /// Where the values of a cell start.
+    /// The offset of a cell's values.
     #[inline]
     fn start(&self, cell: IVec3) -> usize {
         let [x, y, z] = cell.to_array().map(|coordinate| coordinate as usize);
@@ -316,7 +319,7 @@ impl GridVolume {
         ((z * height + y) * width + x) * self.channels
     }
 
-    /// A cell brought into the grid.
+    /// Wraps a cell index into the grid.
     #[inline]
     fn wrapped(&self, cell: IVec3) -> IVec3 {
         match self.wrap {
@@ -329,25 +332,25 @@ impl GridVolume {
         }
     }
 
-    /// Whether the grid's values lie within its cube only, and those of its faces around it.
+    /// Whether the grid's values are confined to its cube, and the face values continue outside.
     #[must_use]
     pub fn ends_at_its_faces(&self) -> bool {
         self.wrap == WrapMode::Clamp
     }
 
-    /// The volume's own space, where it fills the unit cube, to the world.
+    /// The transform from local space, where the grid fills the unit cube, to world space.
     #[must_use]
     pub fn to_world(&self) -> &Transform {
         &self.to_world
     }
 
-    /// The box around the grid, in the world.
+    /// The world-space bounding box of the grid.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.to_world.bounds(&UNIT_CUBE)
     }
 
-    /// Cells along x, y and z.
+    /// Cell counts along x, y and z.
     #[must_use]
     pub fn size(&self) -> IVec3 {
         self.size
@@ -359,7 +362,7 @@ impl GridVolume {
         self.channels
     }
 
-    /// The least and the greatest value.
+    /// The minimum and maximum value.
     #[must_use]
     pub fn range(&self) -> [f32; 2] {
         self.range
@@ -378,25 +381,25 @@ impl GridVolume {
         Spectrum::from_rgb(sums.map(|sum| (sum / count) as f32))
     }
 
-    /// The values of a cell, whose coordinates must lie within [`Self::size`].
+    /// The values of a cell, whose coordinates must be less than [`Self::size`].
     ///
     /// # Panics
-    /// If they do not, and the cell would lie beyond the last one.
+    /// If the coordinates are out of range and the cell would lie beyond the last one.
     #[must_use]
     pub fn cell(&self, cell: IVec3) -> &[f32] {
         let start = self.start(cell);
         &self.values[start..start + self.channels]
     }
 
-    /// Bytes of memory that the values take.
+    /// The memory used by the values, in bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         std::mem::size_of_val(self.values.as_slice())
     }
 }
 
-/// The whole numbers below, without the call that `floor` is in a plain build. Beyond 2³¹ any cell is
-/// as good as another.
+/// The floor of each number. Avoids `floor`, which is a function call in a default build. Beyond
+/// 2³¹ any cell is as good as another.
 #[inline]
 fn floor(place: Vec3) -> IVec3 {
     let down = |coordinate: f32| {
@@ -406,9 +409,9 @@ fn floor(place: Vec3) -> IVec3 {
     IVec3::new(down(place.x), down(place.y), down(place.z))
 }
 
-/// What can be interpolated.
+/// A value that can be interpolated.
 trait Linear {
-    /// `self` at a share of 0, `other` at 1.
+    /// `self` at weight 0, `other` at weight 1.
     fn mix(self, other: Self, share: f32) -> Self;
 }
 

@@ -1,4 +1,4 @@
-//! Points on a surface of revolution for light: uniform in area but for the rounding of a table.
+//! Sampling a surface of revolution as a light: uniform in area up to the error of a table.
 
 use super::RevSurface;
 use crate::shape::ShapeSample;
@@ -6,12 +6,12 @@ use etendue_sampling::{AliasTable, warp};
 use glam::{Vec2, Vec3};
 use std::f64::consts::TAU;
 
-/// Cells of the table for each piece of the profile.
+/// Table cells per piece of the profile.
 const CELLS_PER_PIECE: usize = 4;
-/// Azimuths that an average over a circle takes.
+/// The number of azimuths averaged over a circle.
 const AZIMUTHS: usize = 16;
 
-/// Cells along the profile, in each of which the density changes linearly.
+/// Cells along the profile. The density is linear within each.
 #[derive(Clone, Debug)]
 pub(super) struct AreaTable {
     cells: Vec<Cell>,
@@ -22,9 +22,9 @@ pub(super) struct AreaTable {
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     piece: u32,
-    /// Where the cell starts and ends, as v.
+    /// The range of v.
     v: [f32; 2],
-    /// The area per v and per u at both ends, averaged over u.
+    /// The area element per v and u at both ends, averaged over u.
     jacobian: [f32; 2],
 }
 
@@ -34,7 +34,7 @@ impl Cell {
     }
 }
 
-/// The table of a surface, and its area; no table where there is no area.
+/// Builds the table of a surface and computes its area; no table if the area is zero.
 pub(super) fn measure(surface: &RevSurface) -> (Option<AreaTable>, f32) {
     let mut cells = Vec::with_capacity(surface.pieces.len() * CELLS_PER_PIECE);
     for piece in 0..surface.pieces.len() {
@@ -68,23 +68,23 @@ impl AreaTable {
         f64::from(start + (end - start) * within) / self.sum
     }
 
-    /// The density per area at `v` in a cell, where `jacobian` is the area per u and v.
+    /// The density per area at `v` in a cell. `jacobian` is the area element per u and v.
     fn pdf_in(&self, cell: &Cell, v: f32, jacobian: f32) -> f32 {
         let pdf = self.density(cell, v) / f64::from(jacobian);
-        // On the axis itself both vanish.
+        // Both are zero on the axis itself.
         (if pdf.is_finite() { pdf } else { 1.0 / self.sum }) as f32
     }
 
-    /// The density per area with which [`Self::sample`] chooses a point with these coordinates and
-    /// derivatives.
+    /// The density per area with which [`Self::sample`] chooses a point with this coordinate and
+    /// these derivatives.
     pub(super) fn pdf(&self, v: f32, dp_du: Vec3, dp_dv: Vec3) -> f32 {
         let after = self.cells.partition_point(|cell| cell.v[0] <= v);
         self.pdf_in(&self.cells[after.saturating_sub(1)], v, dp_du.cross(dp_dv).length())
     }
 
-    /// A point, and its density per area.
+    /// Samples a point, with its density per area.
     pub(super) fn sample(&self, surface: &RevSurface, random: Vec2) -> ShapeSample {
-        // The bits of one number do for a few thousand cells.
+        // One random number has enough bits for a few thousand cells.
         let (choice, u) = if self.table.len() <= 4096 {
             (self.table.sample(random.x), random.y)
         } else {
@@ -107,7 +107,7 @@ impl AreaTable {
         }
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     pub(super) fn memory_bytes(&self) -> usize {
         // An entry of the alias table is as large as three numbers.
         self.cells.len() * (size_of::<Cell>() + 12)

@@ -1,22 +1,24 @@
-//! A ray as a surface of revolution sees it.
+//! A ray in the coordinates of a surface of revolution.
 
 use etendue_math::Ray;
 use glam::{DAffine3, DVec3};
 
-/// Below this sine of the angle between a line and a plane across the axis the line counts as level,
-/// and below this sine of the angle to the axis as parallel to it: at the other end of the surface
-/// it is off by this share of the size, less than the rounding of everything else.
+/// A line counts as level if the sine of its angle to the plane across the axis is below this, and
+/// as parallel to the axis if the sine of its angle to the axis is. The resulting error at the
+/// other end of the surface is this fraction of its size, which is less than the other rounding
+/// errors.
 const NEGLIGIBLE: f64 = 1e-14;
 
-/// A line by what matters after everything has been turned about the y axis into one half plane: its
-/// distance ρ from the axis, ρ² = `nearest_squared` + `across`·(t − `nearest`)², and its height
-/// y = `height` + `rise`·(t − `nearest`), with t counted in lengths of the local space.
+/// A line in the half plane into which everything is rotated about the y axis. Its distance ρ from
+/// the axis satisfies ρ² = `nearest_squared` + `across`·(t − `nearest`)². Its height is
+/// y = `height` + `rise`·(t − `nearest`). t is in units of local space.
 ///
-/// The hyperbola that these trace is `rise`²·(ρ² − `nearest_squared`) = `across`·(y − `height`)²:
-/// nothing in it is divided by a number that may vanish.
+/// Together they form the hyperbola
+/// `rise`²·(ρ² − `nearest_squared`) = `across`·(y − `height`)². This form needs no division by a
+/// number that may be zero.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
-    /// The point of the line that is nearest to the local origin.
+    /// The point of the line nearest to the local origin.
     pub(super) origin: DVec3,
     /// The unit direction.
     pub(super) direction: DVec3,
@@ -24,28 +26,28 @@ pub(super) struct Line {
     pub(super) across: f64,
     /// cos of the angle to the axis; zero for a line that counts as level.
     pub(super) rise: f64,
-    /// The square of the least distance to the axis.
+    /// The squared minimum distance to the axis.
     pub(super) nearest_squared: f64,
-    /// Where the line is nearest to the axis.
+    /// The t at which the line is nearest to the axis.
     pub(super) nearest: f64,
     /// The height there.
     pub(super) height: f64,
-    /// The ray's own start on this line.
+    /// The t of the ray's origin.
     pub(super) start: f64,
-    /// Lengths of the ray's direction for one local length.
+    /// The ray's parameter per unit of local length.
     scale: f64,
 }
 
 impl Line {
-    /// The line of `ray`; `None` if it misses the sphere around the local origin whose radius has
-    /// this square, or has no direction.
+    /// Converts `ray`. Returns `None` if the ray has no direction, or misses the sphere around the
+    /// local origin with this squared radius.
     #[inline]
     pub(super) fn new(to_local: &DAffine3, ray: &Ray, radius_squared: f64) -> Option<Self> {
         let origin = to_local.transform_point3(ray.origin.as_dvec3());
         let direction = to_local.transform_vector3(ray.direction.as_dvec3());
         let length_squared = direction.length_squared();
         let along = -origin.dot(direction) / length_squared;
-        // However far the ray's origin is, what follows works near the surface.
+        // Work near the surface, to keep precision for distant ray origins.
         let middle = origin + direction * along;
         let distance_squared = middle.length_squared();
         if distance_squared.is_nan() || distance_squared > radius_squared {
@@ -80,8 +82,9 @@ impl Line {
         }
     }
 
-    /// Where the line meets the circle of the profile's point (x, y), which is known to lie on it:
-    /// by the height or by the distance from the axis, whichever is less sensitive.
+    /// The t at which the line meets the circle through the profile's point (x, y). The line must
+    /// meet that circle. Uses the height or the distance from the axis, whichever is better
+    /// conditioned.
     #[inline]
     pub(super) fn parameter(&self, x: f64, y: f64) -> f64 {
         let beyond = x * x - self.nearest_squared;
@@ -95,25 +98,25 @@ impl Line {
         }
     }
 
-    /// How far from the nearest point the line is `beyond` farther from the axis, in squares.
+    /// The distance along the line from its nearest point at which ρ² has grown by `beyond`.
     #[inline]
     pub(super) fn half_chord(&self, beyond: f64) -> f64 {
         (beyond.max(0.0) / self.across).sqrt()
     }
 
-    /// The ray's parameter of a place on this line.
+    /// Converts t on this line to the ray's parameter.
     #[inline]
     pub(super) fn ray_parameter(&self, t: f64) -> f64 {
         (t - self.start) * self.scale
     }
 
-    /// The place on this line of a parameter of the ray.
+    /// Converts the ray's parameter to t on this line.
     #[inline]
     pub(super) fn local_parameter(&self, t: f64) -> f64 {
         self.start + t / self.scale
     }
 
-    /// The point at a place on this line.
+    /// The point at t on this line.
     #[inline]
     pub(super) fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t

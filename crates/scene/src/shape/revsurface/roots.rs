@@ -1,18 +1,18 @@
 //! All roots in [0, 1] of a polynomial of degree six in Bernstein form.
 //!
-//! The number of sign changes among the coefficients bounds that of the roots, and is exact where
-//! it is 0 or 1 (Descartes' rule in Bernstein form; Farouki, "The Bernstein polynomial basis: a
-//! centennial retrospective", CAGD 29, 2012, section 6). Intervals with more are searched for an
-//! extremum between two roots, or halved.
+//! The number of sign changes among the coefficients is an upper bound on the number of roots, and
+//! exact if it is 0 or 1 (Descartes' rule in Bernstein form; Farouki, "The Bernstein polynomial
+//! basis: a centennial retrospective", CAGD 29, 2012, section 6). Intervals with more sign changes
+//! are searched for an extremum between two roots, or halved.
 //!
-//! A root is where the sign changes, zero counting as positive. Signs at the ends of an interval are
-//! never computed twice, so the roots of neighbouring intervals fit together: their number is even
-//! or odd as the signs at the outer ends say, whatever rounding does in between.
+//! A root is a change of sign, where zero counts as positive. The sign at the end of an interval is
+//! computed only once, so the roots of adjacent intervals are consistent: the parity of their
+//! number matches the signs at the outer ends, whatever the rounding errors in between.
 
 /// The coefficients of a polynomial on an interval.
 pub(super) type Bernstein = [f64; 7];
 
-/// What is to be solved, at a parameter: value, first and second derivative.
+/// The function to solve, at one parameter: value, first and second derivative.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Derivatives {
     pub(super) value: f64,
@@ -20,18 +20,18 @@ pub(super) struct Derivatives {
     pub(super) second: f64,
 }
 
-/// Intervals are halved this often before two roots so close are left alone, or a change of sign
-/// taken for one root.
+/// The maximum number of halvings. Beyond it, two roots this close are ignored, and a change of
+/// sign counts as one root.
 const MAX_HALVINGS: u32 = 40;
-/// Steps and intervals shorter than this end a search.
+/// A search ends when a step or interval is shorter than this.
 const CONVERGED: f64 = 1e-10;
-/// What may be left between a root and Newton's last step: that converges quadratically, so after
-/// steps a and b about b³/a² is left.
+/// The allowed error after Newton's last step. Newton's method converges quadratically, so after
+/// steps a and b the error is about b³/a².
 const LEFT: f64 = 1e-13;
-/// More steps than bisection alone would need.
+/// An upper limit on steps; more than bisection alone needs.
 const MAX_STEPS: u32 = 80;
 
-/// Whether the coefficients have no change of sign, and hence the polynomial no root.
+/// Whether the coefficients have no change of sign, so that the polynomial has no root.
 #[inline]
 pub(super) fn no_roots(coefficients: &Bernstein) -> bool {
     let negative = coefficients.iter().filter(|c| **c < 0.0).count();
@@ -42,7 +42,7 @@ fn sign_changes(values: &[f64]) -> usize {
     values.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count()
 }
 
-/// An interval, with the polynomial's coefficients on it.
+/// An interval and the polynomial's coefficients on it.
 struct Search {
     low: f64,
     high: f64,
@@ -50,8 +50,8 @@ struct Search {
     halvings: u32,
 }
 
-/// Calls `found` with each root in [0, 1], in no particular order. `coefficients` locate the roots;
-/// `evaluate`, the same polynomial in a form that cancels less, gives their digits.
+/// Calls `found` with each root in [0, 1], in no particular order. `coefficients` isolate the
+/// roots. `evaluate` computes the same polynomial with less cancellation and refines them.
 pub(super) fn each_root(
     coefficients: Bernstein,
     evaluate: &impl Fn(f64) -> Derivatives,
@@ -100,7 +100,7 @@ fn search(interval: &Search, evaluate: &impl Fn(f64) -> Derivatives, found: &mut
     search(&Search { low: middle, high, coefficients: right, halvings }, evaluate, found);
 }
 
-/// Where the control polygon first crosses zero, as a share of its length.
+/// Where the control polygon first crosses zero, as a fraction of its length.
 fn crossing(values: &[f64]) -> f64 {
     let pair = values.windows(2).position(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).unwrap_or(0);
     let share = values[pair] / (values[pair] - values[pair + 1]);
@@ -121,8 +121,8 @@ fn halve(coefficients: &Bernstein) -> (Bernstein, Bernstein) {
     (left, right)
 }
 
-/// A parameter where the value has the other sign than at both ends, between which it has one
-/// extremum; `None` where there is none, and the two roots are not real.
+/// A parameter where the sign differs from that at both ends. Between the ends the value has one
+/// extremum. Returns `None` if there is no such parameter, so that the two roots are not real.
 fn other_side(
     [mut low, mut high]: [f64; 2],
     guess: f64,
@@ -149,13 +149,13 @@ fn other_side(
             break;
         }
     }
-    // The last step counts: a root twice over is missed where it is a rounding away.
+    // Check the last step too: rounding can hide a double root.
     let at = evaluate(s);
     (low < s && s < high && (at.value < 0.0) != negative_ends).then_some((s, at))
 }
 
-/// The root between two parameters where the signs differ: Newton's method, and bisection where that
-/// leaves the interval.
+/// The root between two parameters with different signs. Uses Newton's method, and bisection when a
+/// step leaves the interval.
 pub(super) fn root_between(
     [mut low, mut high]: [f64; 2],
     guess: f64,
@@ -163,7 +163,7 @@ pub(super) fn root_between(
     evaluate: impl Fn(f64) -> (f64, f64),
 ) -> f64 {
     let mut s = guess;
-    // No step yet that could tell how fast it converges.
+    // Zero: no previous step to judge the convergence by.
     let mut last_step = 0.0;
     for _ in 0..MAX_STEPS {
         if !(s > low && s < high) {

@@ -1,5 +1,5 @@
-//! Tests of the surface of revolution against closed forms and a fine mesh. How many crossings are
-//! missed or invented is counted in `tests/splines.rs`.
+//! Tests of the surface of revolution against closed forms and a fine mesh. `tests/splines.rs`
+//! counts missed and spurious crossings.
 
 use super::*;
 use crate::models::profile::{from_b_spline, from_bezier};
@@ -8,7 +8,7 @@ use etendue_math::{offset_ray_origin, polynomial::quadratic_roots};
 use etendue_testkit::TestRng;
 use glam::DQuat;
 
-/// Control points that make the quarters of a circle (error 2.7·10⁻⁴ of the radius).
+/// Control points that approximate quarter circles (error 2.7·10⁻⁴ of the radius).
 const KAPPA: f64 = 0.552_284_749_830_793_4;
 
 fn chain(points: &[(f64, f64)]) -> Vec<Segment> {
@@ -45,7 +45,7 @@ fn torus() -> Vec<Segment> {
     ])
 }
 
-/// A closed glass: its wall is thin, its foot nearly flat, its ends are tripled points on the axis.
+/// A closed glass with a thin wall and a nearly flat foot. Its ends are triple points on the axis.
 fn glass() -> Vec<Segment> {
     let points = [
         (0.0, -0.459543),
@@ -129,7 +129,7 @@ fn quarter_circles_are_a_sphere_within_their_error() {
         let at = shape.surface_point(&ray, t, place);
         let radius = at.point.length();
         assert!((0.999_999..1.000_275).contains(&radius), "{radius}");
-        // Upwards on the right, the left of the profile is inside.
+        // The profile runs upwards on the right, so its left is inside.
         assert!(at.normal.dot(-at.point) > 0.999_999 * radius, "{at:?}");
         assert!((at.point - ray.at(t)).length() < 2e-6);
     }
@@ -176,7 +176,7 @@ fn a_fine_mesh_is_hit_at_the_same_places() {
         };
         differing += u32::from(!is_same);
     }
-    // Facets are up to 10⁻⁵ inside; only rays along the surface see it.
+    // Facets are up to 10⁻⁵ inside the surface; only grazing rays notice it.
     assert!(hits > 10_000 && differing < 50, "{differing} of {hits}");
 }
 
@@ -193,7 +193,7 @@ fn the_axis_is_hit_and_its_normal_is_the_axis() {
         assert!(at.dp_du.is_finite() && at.dp_dv.is_finite());
         assert_eq!(shape.crossings(&ray).len(), 2);
     }
-    // Slanting through a pole, and through the tip of a cone that goes on beyond it.
+    // At an angle through a pole, and through the tip of a cone that continues beyond it.
     let slanting = Ray::new(Vec3::new(2.0, 3.0, 0.0), Vec3::new(-2.0, -2.0, 0.0));
     assert_eq!(shape.crossings(&slanting).len(), 2);
     let cones = surface(&line((-1.0, -1.0), (1.0, 1.0)));
@@ -223,7 +223,7 @@ fn level_rays_are_the_limit_of_nearly_level_ones() {
 
 #[test]
 fn grazing_rays_cross_twice_or_not_at_all() {
-    // Cylinders are touched all along, balls and rings at a point.
+    // These lines touch cylinders all along, spheres and tori at one point.
     let straight = surface(&line((1.0, -2.0), (1.0, 2.0)));
     for shape in [&straight, &surface(&ball()), &surface(&torus())] {
         let touching = if shape.bounds().max.x > 1.2 { 1.4 } else { 1.0 };
@@ -258,8 +258,8 @@ fn derivatives_are_those_of_the_point_and_the_front_is_on_the_left() {
                 let du = (ahead[1].point - at.point) / (ahead[1].uv.x - at.uv.x);
                 assert!((dv - at.dp_dv).length() < 0.02 * dv.length(), "{dv} {at:?}");
                 assert!((du - at.dp_du).length() < 0.02 * du.length(), "{du} {at:?}");
-                // For x > 0, u leads towards +z from the profile's plane. Along the profile upwards,
-                // u × v = z × y = −x is the left.
+                // For x > 0, u leads towards +z from the profile's plane. Upwards along the
+                // profile, the left is u × v = z × y = −x.
                 let side = if scale.x < 0.0 { -1.0 } else { 1.0 } * if flip { -1.0 } else { 1.0 };
                 let left = at.dp_du.cross(at.dp_dv).normalize() * side;
                 let left = if shape.pieces[piece].control()[0].x < 0.0 { -left } else { left };

@@ -1,19 +1,20 @@
 //! A tree over the pieces of a profile.
 //!
-//! Boxes in space around rings are mostly air. Here they are intervals of height and of distance
-//! from the axis, against which a ray is tested exactly: it is in the slab between two heights for
-//! an interval of t, and its squared distance from the axis is a parabola over that interval.
+//! Boxes in space around rings are mostly empty. Here, boxes are intervals of height and of
+//! distance from the axis, which a ray is tested against exactly: it is in the slab between two
+//! heights for an interval of t, and its squared distance from the axis is a parabola over that
+//! interval.
 
 use super::line::Line;
 use glam::Vec4;
 use std::ops::ControlFlow;
 
-/// What single precision may be off by, where lengths are at most about one.
+/// A bound on single-precision rounding, where lengths are at most about one.
 const PADDING: f32 = 2e-6;
-/// Levels times three children that wait, and some to spare: 4¹⁶ pieces.
+/// Three waiting children per level, and some to spare: 4¹⁶ pieces.
 const STACK_SIZE: usize = 52;
 
-/// A box of the half plane: heights, and squared distances from the axis.
+/// A box in the half plane: heights, and squared distances from the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) heights: [f64; 2],
@@ -30,7 +31,7 @@ impl Extent {
     }
 }
 
-/// Four children, one a lane.
+/// Four children, one per lane.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     low: Vec4,
@@ -44,7 +45,7 @@ struct Node {
 
 impl Node {
     fn new(first_child: usize, is_leaf: bool, children: &[Extent]) -> Self {
-        // Lanes without a child hold no distance at all.
+        // Lanes without a child have an empty distance interval.
         let lane = |value: fn(&Extent) -> f32, empty: f32| {
             Vec4::from_array(std::array::from_fn(|i| children.get(i).map_or(empty, value)))
         };
@@ -59,13 +60,13 @@ impl Node {
     }
 }
 
-/// The tree: neighbours along the profile are neighbours in it.
+/// The tree. Neighbours along the profile are neighbours in the tree.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
 }
 
-/// A line as the boxes see it.
+/// A line in the form that box tests need.
 struct Probe {
     height: Vec4,
     inverse_rise: Vec4,
@@ -108,7 +109,7 @@ impl Probe {
 }
 
 impl Tree {
-    /// The tree over pieces with these boxes, of which there is at least one.
+    /// Builds the tree over pieces with these boxes. At least one is required.
     pub(super) fn new(pieces: &[Extent]) -> Self {
         let mut nodes: Vec<Node> = Vec::new();
         let mut level = pieces.to_vec();
@@ -132,8 +133,8 @@ impl Tree {
         }
     }
 
-    /// Calls `visit` with the pieces that `line` may meet between `near` and `far`, the nearer ones
-    /// roughly first, until it breaks. `visit` may bring `far` nearer.
+    /// Calls `visit` with the pieces that `line` may hit between `near` and `far`, roughly from
+    /// near to far, until it breaks. `visit` may reduce `far`.
     #[inline]
     pub(super) fn each_piece<B>(
         &self,
@@ -155,7 +156,7 @@ impl Tree {
             }
             let node = &self.nodes[index as usize];
             let (mut met, enters) = probe.meet(node, near, padded);
-            // The nearest on top.
+            // The nearest child goes on top of the stack.
             let bottom = waiting;
             while met != 0 {
                 let lane = met.trailing_zeros() as usize & 3;
@@ -182,7 +183,7 @@ impl Tree {
         ControlFlow::Continue(())
     }
 
-    /// Bytes of memory held.
+    /// Memory use in bytes.
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice())
     }

@@ -1,4 +1,4 @@
-//! Look-ups against Mitsuba's, and files of every precision.
+//! Look-ups compared with Mitsuba's, and files of every precision.
 
 use super::*;
 use crate::testing::node::TestNode;
@@ -12,7 +12,7 @@ fn numbers(text: &str) -> Vec<f32> {
     text.split_whitespace().map(|number| number.parse().expect("a number")).collect()
 }
 
-/// The picture that Mitsuba's values were recorded with.
+/// The picture for which Mitsuba's values were recorded.
 fn recorded_bitmap() -> Bitmap {
     let line = MITSUBA.lines().find_map(|line| line.strip_prefix("texels ")).expect("texels");
     let samples = Samples::U16(line.split(' ').map(|code| code.parse().expect("a code")).collect());
@@ -67,14 +67,14 @@ fn gradients_are_the_slopes_of_the_values() {
             let step = 1e-3;
             let slope = |axis: Vec2| {
                 let ends = [uv - axis * step, uv + axis * step];
-                // The slope changes where the centre of a texel is passed.
+                // The slope changes at texel centres.
                 let cell = |uv| (to_uv.transform_point2(uv) * Vec2::new(5.0, 3.0) - 0.5).floor();
                 let [left, right] = ends.map(|uv| texture.eval_scalar(uv));
                 (cell(ends[0]) == cell(ends[1])).then_some((right - left) / (2.0 * step))
             };
             if let (Some(u), Some(v)) = (slope(Vec2::X), slope(Vec2::Y)) {
                 let found = texture.gradient(uv);
-                // Values have 24 bits, and the step ten less.
+                // Values have 24 bits, and the step has ten fewer.
                 assert!(
                     (found - Vec2::new(u, v)).length() < 2e-3,
                     "{wrap:?} {uv}: {found}, {u} {v}"
@@ -86,7 +86,7 @@ fn gradients_are_the_slopes_of_the_values() {
     }
 }
 
-/// A picture of one texel, as a texture.
+/// A texture with a single texel.
 fn single(samples: Samples, channels: u32, options: &BitmapOptions) -> Option<BitmapTexture> {
     let srgb = matches!(samples, Samples::U8(_) | Samples::U16(_));
     BitmapTexture::new(Bitmap { width: 1, height: 1, channels, samples, srgb }, options)
@@ -181,7 +181,7 @@ fn no_coordinate_leaves_the_picture() {
             let options = BitmapOptions { filter, wrap, ..BitmapOptions::default() };
             let texture = BitmapTexture::new(recorded_bitmap(), &options).expect("a sound picture");
             for uv in values.iter().flat_map(|&u| values.map(|v| Vec2::new(u, v))) {
-                // It is enough that none of these panics.
+                // This only checks that none of these calls panics.
                 let color = texture.eval(uv);
                 let _ = (texture.eval_scalar(uv), texture.gradient(uv));
                 assert!(
