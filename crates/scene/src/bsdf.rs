@@ -1,19 +1,19 @@
-//! Materials, and the closures that they become at a hit.
+//! Materials, and the closures they resolve to at a hit.
 //!
 //! A [`Material`] is what the scene file describes, with its textures. At a hit,
-//! [`Materials::prepare`] reads every texture once and gives a [`Bsdf`]: pure mathematics in the
+//! [`Materials::prepare`] reads every texture once and returns a [`Bsdf`]: pure mathematics in the
 //! local frame, shared by next-event estimation and path sampling.
 //!
 //! # Contract of every [`Closure`]
-//! - `wi` and `wo` are unit, in the local shading frame (z is the normal), and both point away from
-//!   the surface. `wi` is where the path comes from, `wo` where it goes on.
-//! - [`Closure::eval_pdf`] gives f(wi, wo)·|cos θo| and the density of `wo` in solid angle.
-//!   Delta lobes contribute zero to both.
-//! - [`Closure::sample`] gives `wo` with the weight f·|cos θo| / pdf, or `None` where it fails: a
-//!   failed sample counts as one of weight zero. It uses one number to choose among lobes and two
-//!   for the direction. For a delta lobe, `pdf` is the probability of having chosen that lobe.
-//! - Where light is refracted from an index ηi to ηt, radiance is scaled by (ηi/ηt)², seen along
-//!   `wi`→`wo`; importance is not. [`Transport`] says which of the two is carried.
+//! - `wi` and `wo` are unit vectors in the local shading frame (z is the normal). Both point away
+//!   from the surface. `wi` is where the path comes from, `wo` where it continues.
+//! - [`Closure::eval_pdf`] returns f(wi, wo)·|cos θo| and the density of `wo` in solid angle. Delta
+//!   lobes contribute zero to both.
+//! - [`Closure::sample`] returns `wo` with the weight f·|cos θo| / pdf, or `None` on failure. A
+//!   failed sample counts as a sample of weight zero. One random number selects the lobe and two
+//!   select the direction. For a delta lobe, `pdf` is the probability of selecting that lobe.
+//! - On refraction from an index ηi to ηt, seen along `wi`→`wo`, radiance is scaled by (ηi/ηt)²;
+//!   importance is not. [`Transport`] selects which of the two is carried.
 
 pub mod blendbsdf;
 pub mod bumpmap;
@@ -57,14 +57,16 @@ use etendue_document::Parameters;
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 
-/// The list of BSDFs: everything about them that a file other than their own has to know is made
-/// from it, by calling another macro with it. One line is one plugin: its XML `type`, which is its
-/// module as well, and its type in that module, which becomes a [`Material`].
+/// The list of BSDFs. Everything that other files need to know about a BSDF is generated from it,
+/// by passing the list to another macro. One line is one plugin: its XML `type`, which is also its
+/// module, and the type in that module, which becomes a [`Material`].
 ///
-/// - `batched` resolve to one closure, and closures of several hits can be shaded at once: their types
-///   are [`LaneMaterial`]s. In brackets are their kinds of closures, each with its variant.
-/// - `single` resolve to one closure, which is shaded alone: their types are [`ClosureMaterial`]s.
-/// - `wrappers` hold other materials: their types are [`WrapperMaterial`]s.
+/// - `batched` plugins resolve to one closure, and closures of several hits can be shaded at once.
+///   Their types are [`LaneMaterial`]s. The brackets list their kinds of closures, each with its
+///   variant.
+/// - `single` plugins resolve to one closure, which is shaded alone. Their types are
+///   [`ClosureMaterial`]s.
+/// - `wrappers` hold other materials. Their types are [`WrapperMaterial`]s.
 /// - `aliases` build the type of another plugin.
 macro_rules! bsdf_list {
     ($macro:ident) => {
@@ -108,12 +110,12 @@ pub(crate) use bsdf_list;
 
 /// A material that resolves to one closure at a hit.
 pub(crate) trait ClosureMaterial {
-    /// What it resolves to.
+    /// The closure it resolves to.
     type Closure<'a>: Closure
     where
         Self: 'a;
 
-    /// Whether it scatters into single directions only, whatever its textures say.
+    /// Whether it has only delta lobes, whatever its textures contain.
     const IS_DELTA: bool = false;
 
     /// Whether light passes through to the other side.
@@ -127,44 +129,45 @@ pub(crate) trait ClosureMaterial {
     ) -> Self::Closure<'a>;
 }
 
-/// A material whose closures can be shaded several at once: closures of several hits lie side by side
-/// in columns, which [`ClosureBatch`](crate::ClosureBatch) computes with.
+/// A material whose closures can be shaded several at once. [`ClosureBatch`](crate::ClosureBatch)
+/// stores the closures of several hits side by side in columns.
 pub(crate) trait LaneMaterial: ClosureMaterial {
-    /// What tells its kinds of closures apart. Within a kind there are no branches on parameters.
+    /// Distinguishes its kinds of closures. Within a kind no code branches on parameters.
     type Variant: Copy + PartialEq;
 
-    /// Its closure over plain numbers.
+    /// Its scalar closure.
     type Blank: Columns<f32>;
 
-    /// Whether its closures look up what a rough [coat](Self::coat) lets through.
+    /// Whether its closures look up the transmission of a rough [coat](Self::coat).
     const HAS_COAT: bool = false;
 
-    /// The variant of its closures; `None` where they have to be shaded one by one.
+    /// The variant of its closures; `None` if they must be shaded one by one.
     fn variant(&self) -> Option<Self::Variant>;
 
-    /// A closure of a variant, whatever its numbers: it is the shape that columns are loaded into.
+    /// An example closure of a variant, with arbitrary numbers. It defines the columns to load.
     fn blank(variant: Self::Variant) -> Self::Blank;
 
-    /// Whether the closure is the same everywhere, as no parameter has a texture.
+    /// Whether the closure is the same everywhere because no parameter has a texture.
     fn is_uniform(&self) -> bool;
 
-    /// What a rough coat lets through; see [`HAS_COAT`](Self::HAS_COAT).
+    /// The transmission of its rough coat; see [`HAS_COAT`](Self::HAS_COAT).
     fn coat(&self) -> &CoatTable {
         &CoatTable::BLACK
     }
 }
 
-/// A material made of others, to whose closures it resolves.
+/// A material that holds other materials and resolves to their closures.
 pub(crate) trait WrapperMaterial {
-    /// Whether light passes through to the other side; `nested` says so of a material that it holds.
+    /// Whether light passes through to the other side; `nested` answers this for a material it
+    /// holds.
     fn transmits(&self, nested: &dyn Fn(MaterialId) -> bool) -> bool;
 
-    /// Adds the closures of what it holds to `bsdf`.
+    /// Adds the closures of the materials it holds to `bsdf`.
     fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>);
 }
 
-/// Makes the enum of materials, the enum of resolved closures, the dispatch of both, and the
-/// registry from the list.
+/// Generates from the list the enum of materials, the enum of resolved closures, the dispatch of
+/// both, and the registry.
 macro_rules! materials {
     (
         batched { $($batched_module:ident => $batched:ident $kinds:tt;)* }
@@ -205,7 +208,7 @@ macro_rules! materials {
         ];
 
         impl Material {
-            /// Whether the material scatters into single directions only, whatever its textures say.
+            /// Whether the material has only delta lobes, whatever its textures contain.
             #[inline]
             #[must_use]
             pub fn is_delta(&self) -> bool {
@@ -223,7 +226,7 @@ macro_rules! materials {
                 }
             }
 
-            /// The closure of a material that is no wrapper.
+            /// The closure of a material that is not a wrapper.
             #[inline(always)]
             fn resolve<'a>(
                 &'a self,
@@ -277,7 +280,7 @@ macro_rules! materials {
         }
 
         impl<'a> Gather<'a, '_> {
-            /// Adds the closures of one material, placed as `placement` says, to `bsdf`.
+            /// Adds the closure of one material to `bsdf` at `placement`.
             pub fn add(&self, id: MaterialId, placement: Placement, bsdf: &mut Bsdf<'a>) {
                 match &self.materials[id.index()] {
                     $(Material::$name(material) => {
@@ -296,16 +299,16 @@ bsdf_list!(materials);
 /// Builds a material.
 pub type BuildMaterial = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Material>;
 
-/// Whether a material lets light through to the other side. Materials hold only earlier ones, so the
-/// recursion ends.
+/// Whether a material lets light through to the other side. Materials only hold earlier ones, so
+/// the recursion ends.
 pub(crate) fn transmits(materials: &[Material], id: MaterialId) -> bool {
     materials[id.index()].transmits(&|nested| transmits(materials, nested))
 }
 
-/// What is known while a material is resolved at a hit.
+/// The context for resolving a material at a hit.
 #[derive(Clone, Copy, Debug)]
 pub struct Gather<'a, 'b> {
-    /// All materials, for wrappers to find what they hold.
+    /// All materials, so that wrappers can look up the ones they hold.
     pub materials: &'a [Material],
     /// All textures.
     pub textures: Textures<'a>,
@@ -377,14 +380,14 @@ impl Leaf<'_> {
     }
 }
 
-/// The scattering at one hit: a weighted sum of resolved closures, nearly always a single one.
+/// The scattering at one hit: a weighted sum of resolved closures, usually just one.
 ///
 /// Directions are in the shading frame of the hit; see the module's contract.
 #[derive(Clone, Debug)]
 pub struct Bsdf<'a> {
-    /// Most materials resolve to one closure, which needs no memory of its own.
+    /// Most materials resolve to one closure, which is stored without an allocation.
     first: Option<Leaf<'a>>,
-    /// The others, of blends and masks.
+    /// The remaining closures of blends and masks.
     others: Vec<Leaf<'a>>,
 }
 
@@ -395,7 +398,7 @@ impl<'a> Bsdf<'a> {
         Self { first: None, others: Vec::new() }
     }
 
-    /// Adds the straight-through lobe of what is not covered.
+    /// Adds the null transmission of the uncovered fraction.
     pub fn push_null(&mut self, placement: Placement) {
         self.push(Leaf { closure: AnyClosure::Null(null::NullClosure::CLEAR), placement });
     }
@@ -437,8 +440,9 @@ impl<'a> Bsdf<'a> {
         })
     }
 
-    /// Chooses `wo`. A closure is chosen with its weight as the probability, and none with what is
-    /// left; a smooth direction then gets the value and density of all closures together.
+    /// Samples `wo`. Each closure is selected with its weight as the probability; with the
+    /// remaining probability none is. A smooth direction then gets the value and density of all
+    /// closures together.
     #[inline]
     #[must_use]
     pub fn sample(
@@ -480,8 +484,8 @@ impl<'a> Bsdf<'a> {
         (pdf > 0.0).then(|| BsdfSample { weight: value / pdf, pdf, ..sample })
     }
 
-    /// The share of light that goes straight on, as if no surface were there, and the probability
-    /// with which [`Self::sample`] lets it.
+    /// The fraction of light that passes straight through as if there were no surface, and the
+    /// probability that [`Self::sample`] selects this.
     #[must_use]
     pub fn null_transmission(&self, wi: Vec3) -> (Spectrum, f32) {
         self.leaves().fold((Spectrum::ZERO, 0.0), |(share, pdf), leaf| {
@@ -492,7 +496,7 @@ impl<'a> Bsdf<'a> {
         })
     }
 
-    /// The share of light that is scattered in all, roughly: for the albedo layer.
+    /// The approximate total fraction of light that is scattered, for the albedo layer.
     #[must_use]
     pub fn albedo(&self, wi: Vec3) -> Spectrum {
         self.leaves().fold(Spectrum::ZERO, |sum, leaf| {
@@ -501,8 +505,8 @@ impl<'a> Bsdf<'a> {
         })
     }
 
-    /// The shading normal after bump and normal maps, in the shading frame: that of the surface, not
-    /// turned towards the viewer.
+    /// The shading normal after bump and normal maps, in the shading frame. It belongs to the
+    /// surface and is not turned towards the viewer.
     #[must_use]
     pub fn normal(&self) -> Vec3 {
         let turned = self.first.as_ref().and_then(|leaf| leaf.placement.turned);
@@ -511,11 +515,11 @@ impl<'a> Bsdf<'a> {
 }
 
 impl<'a> Gather<'a, '_> {
-    /// Resolves a material: every texture is read here, and nowhere else.
+    /// Resolves a material. All its textures are read here and nowhere else.
     #[inline]
     #[must_use]
     pub(crate) fn prepare(&self, id: MaterialId) -> Bsdf<'a> {
-        // Nearly all materials are one closure, perhaps on two sides: they need not be gathered.
+        // Nearly all materials are one closure, possibly two-sided. They skip the general path.
         let (simple, placement) = match &self.materials[id.index()] {
             Material::TwoSided(sides) => sides.side(Placement::PLAIN, self.surface.wi),
             _ => (id, Placement::PLAIN),

@@ -1,18 +1,18 @@
 //! The plugins, the registry, and the frozen scene.
 //!
-//! A scene has two forms here. The [`etendue_document::Document`] says what the user wrote; the
-//! [`Scene`] is what rays meet: immutable, flat vectors addressed by typed ids, `Send + Sync`.
-//! [`build_scene`] turns the one into the other by walking the registry.
+//! A scene has two forms. The [`etendue_document::Document`] says what the user wrote. The
+//! [`Scene`] is what rays intersect: immutable, flat vectors addressed by typed ids, `Send + Sync`.
+//! [`build_scene`] converts the first into the second through the registry.
 //!
 //! Families that are used at every hit ([`shape`], [`bsdf`], [`texture`], [`emitter`]) are closed
-//! enums of structs. One plugin is one file, named as its XML type, with its parameters, its
-//! mathematics, its [`Manual`] page and the cases that tests try. One line in the list beside the
-//! family's folder makes it known: the enum, its dispatch and the [`registry`] come from that list, and
-//! for materials the kinds of closures that several hits are shaded with at once.
+//! enums of structs. One plugin is one file, named after its XML type. It holds the plugin's
+//! parameters, mathematics, [`Manual`] page and test configurations. One line in the list beside
+//! the family's folder registers it. The enum, its dispatch and the [`registry`] are generated from
+//! that list, and for materials also the kinds of closures that shade several hits at once.
 //!
-//! From below to above: `inputs`, `lanes` and [`models`] hold what several plugins share; then come the
-//! plugin folders, `batch` (several hits at once, whatever their plugins), the [`Scene`], and its
-//! [`Builder`].
+//! From the lowest layer up: `inputs`, `lanes` and [`models`] hold what several plugins share.
+//! Above them are the plugin folders, `batch` (several hits at once, whatever their plugins), the
+//! [`Scene`], and its [`Builder`].
 #![forbid(unsafe_code)]
 
 mod batch;

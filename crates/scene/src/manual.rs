@@ -1,18 +1,20 @@
-//! Manual pages: what a plugin is and takes, kept beside its code.
+//! Manual pages: what a plugin is and which parameters it takes, kept beside its code.
 
-/// A plugin's manual page. The documentation, `--help` and the tests are made from it.
+/// A plugin's manual page. The documentation, `--help` and the tests are generated from it.
 #[derive(Clone, Copy, Debug)]
 pub struct Manual {
-    /// What the plugin is, in a sentence or a few; Markdown.
+    /// What the plugin is, in one or a few sentences of Markdown.
     pub summary: &'static str,
-    /// Every parameter it reads. A test compares this list with what the code asks for.
+    /// Every parameter that the plugin reads. A test compares this list with what the code
+    /// requests.
     pub parameters: &'static [ParameterManual],
-    /// A sample that a test builds: XML, or the code of a node for a plugin that needs buffers.
+    /// A sample that a test builds: XML, or Rust code that makes the node for a plugin that needs
+    /// buffers.
     pub sample: &'static str,
 }
 
 impl Manual {
-    /// The language of the sample, as Markdown calls it.
+    /// The language tag of the sample's Markdown code block.
     #[must_use]
     pub fn sample_language(&self) -> &'static str {
         if self.sample.starts_with('<') { "xml" } else { "rust" }
@@ -24,9 +26,9 @@ impl Manual {
 pub struct ParameterManual {
     /// The name in a scene file.
     pub name: &'static str,
-    /// Its type, as a reader of the manual would call it: "float", "spectrum or texture", "bsdf".
+    /// Its type, in the manual's terms: "float", "spectrum or texture", "bsdf".
     pub kind: &'static str,
-    /// The default, as it would be typed; empty where the parameter is required or absent by default.
+    /// The default, as one would type it; empty if the parameter is required or absent by default.
     pub default: &'static str,
     /// What it means, with units.
     pub meaning: &'static str,

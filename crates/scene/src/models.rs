@@ -1,4 +1,4 @@
-//! Models that several plugins share: scattering, geometry, cameras.
+//! Models shared by several plugins: scattering, geometry, cameras.
 
 pub mod bsdf_inputs;
 pub mod coat;

@@ -1,4 +1,4 @@
-//! A plugin of any family, and how it is found by its name.
+//! A plugin of any family, and its lookup by name.
 
 use crate::manual::Manual;
 use etendue_document::{Class, Fault, Parameters, list_names, near_names};
@@ -19,7 +19,8 @@ pub(crate) const fn plugin<F>(name: &'static str, manual: &'static Manual, build
     Plugin { name, manual, build }
 }
 
-/// Finds the plugin of a node in its family's table; reports an unknown one with the names there are.
+/// Finds the plugin of a node in its family's table. For an unknown name, the error lists the known
+/// ones.
 pub fn find<F: Copy>(table: &'static [Plugin<F>], parameters: &Parameters<'_>) -> Option<F> {
     let name = parameters.plugin();
     if let Some(plugin) = table.iter().find(|plugin| plugin.name == name) {
@@ -29,7 +30,7 @@ pub fn find<F: Copy>(table: &'static [Plugin<F>], parameters: &Parameters<'_>) -
     None
 }
 
-/// Reports a plugin that nobody knows.
+/// Reports an unknown plugin.
 pub fn report_unknown(parameters: &Parameters<'_>, names: impl Iterator<Item = &'static str>) {
     if let Some(advice) = unsupported(parameters.class(), parameters.plugin()) {
         let message = format!("`{}` is not supported: {advice}", parameters.plugin());
@@ -49,7 +50,7 @@ pub fn report_unknown(parameters: &Parameters<'_>, names: impl Iterator<Item = &
     parameters.diagnostics().push(diagnostic.help(format!("there are {}", list_names(names))));
 }
 
-/// What to do instead of using a plugin of Mitsuba that has no equal here, not even a near one.
+/// Advice for a Mitsuba plugin that has no equivalent or near equivalent here.
 fn unsupported(class: Class, plugin: &str) -> Option<&'static str> {
     (class == Class::Bsdf && plugin == "measured_polarized").then_some(
         "light has no polarisation here; give the shape another material, such as `measured`",

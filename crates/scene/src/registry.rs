@@ -1,5 +1,5 @@
-//! Every plugin. Each family has one list beside its folder, from which its table comes; building, the
-//! manual and the tests walk the tables, and nothing is listed twice.
+//! Every plugin. Each family has one list beside its folder, and its table is generated from that
+//! list. Building, the manual and the tests iterate over the tables; nothing is listed twice.
 
 pub use crate::bsdf::BSDFS;
 pub use crate::emitter::{EMITTERS, SHAPE_EMITTERS};
@@ -17,8 +17,8 @@ use crate::rfilter;
 use crate::sampler;
 use etendue_document::Class;
 
-/// Every plugin of this crate: class, name and manual page; those of a table in the order of their
-/// names.
+/// Every plugin of this crate: class, name and manual page. Plugins of one table are sorted by
+/// name.
 pub fn plugins() -> Vec<(Class, &'static str, &'static Manual)> {
     fn pages<F>(
         class: Class,

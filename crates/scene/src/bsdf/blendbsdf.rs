@@ -30,7 +30,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -63,7 +63,7 @@ impl WrapperMaterial for BlendBsdf {
         self.nested.iter().any(|&id| nested(id))
     }
 
-    /// Adds the closures of both materials with their shares.
+    /// Adds the closures of both materials with their weights.
     fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
         let weight = limited(self.weight.eval(gather.textures, gather.surface), 0.0, 1.0);
         for (nested, share) in self.nested.into_iter().zip([1.0 - weight, weight]) {

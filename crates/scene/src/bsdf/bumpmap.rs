@@ -1,4 +1,4 @@
-//! `bumpmap`: a material on a surface whose normals follow a height map.
+//! `bumpmap`: a material on a surface whose normals are perturbed by a height map.
 
 use super::normalmap::{FLIP_INVALID_NORMALS, Perturbation, USE_SHADOWING_FUNCTION};
 use super::{Bsdf, Gather, Placement, WrapperMaterial};
@@ -31,7 +31,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -85,10 +85,10 @@ impl WrapperMaterial for BumpMap {
 }
 
 impl BumpMap {
-    /// The normal of the raised surface, in the placement's frame, of any length.
+    /// The normal of the displaced surface, in the placement's frame, not normalised.
     ///
-    /// The tangents of p + h·n, without the small term of the derivative of n, as Blinn leaves it
-    /// out; the base's tangents are first made perpendicular to the shading normal.
+    /// It follows from the tangents of p + h·n. Like Blinn's, they omit the small term with the
+    /// derivative of n. The base tangents are first made perpendicular to the shading normal.
     fn normal(&self, gather: &Gather<'_, '_>, placement: &Placement) -> Vec3 {
         let surface = gather.surface;
         let gradient = gather.textures.gradient(self.height, surface) * self.scale;
@@ -96,7 +96,7 @@ impl BumpMap {
         let to_base = |v: Vec3| base.to_local(surface.to_local(v));
         let raised = |tangent: Vec3, slope: f32| to_base(tangent).with_z(slope);
         let normal = raised(surface.dp_du, gradient.x).cross(raised(surface.dp_dv, gradient.y));
-        // The tangents may be left-handed: the normal stays on the side of the geometric one.
+        // The tangents may be left-handed. Keep the normal on the side of the geometric one.
         if normal.dot(to_base(surface.normal)) < 0.0 { -normal } else { normal }
     }
 }

@@ -1,4 +1,4 @@
-//! `circular`: an ideal circular polarizer, as unpolarised light meets it.
+//! `circular`: an ideal circular polarizer, in its effect on unpolarised light.
 
 use super::null::Null;
 use super::polarizer::{SHARE, TRANSMITTANCE};
@@ -25,7 +25,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="circular"><float name="transmittance" value="0.9"/></bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -40,7 +40,7 @@ pub(crate) const CASES: Cases = Cases {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Null> {
-    // It has no effect, and is read only to report mistakes: see the manual.
+    // The parameter has no effect. It is read only to report mistakes; see the manual.
     parameters.boolean("left_handed", false);
     Some(Null::filter(reflectance(builder, parameters, "transmittance", 1.0), SHARE))
 }

@@ -15,7 +15,7 @@ use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
-/// The parameters of the complex index, which the rough metal has too.
+/// The parameters of the complex index, shared with the rough metal.
 pub(crate) const MATERIAL: ParameterManual = parameter(
     "material",
     "string",
@@ -44,7 +44,7 @@ pub(crate) const EXT_ETA: ParameterManual = parameter(
     "The index of refraction of what is around the metal, a number or a name; `eta` and `k` are \
      divided by it. Vacuum where it is not given.",
 );
-/// The factor on the reflection that most materials have.
+/// The reflection factor that most materials have.
 pub(crate) const SPECULAR_REFLECTANCE: ParameterManual = parameter(
     "specular_reflectance",
     "spectrum or texture",
@@ -61,7 +61,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {

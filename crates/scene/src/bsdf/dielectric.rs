@@ -1,4 +1,4 @@
-//! `dielectric`: smooth glass, water, and other clear matter.
+//! `dielectric`: smooth glass, water, and other clear materials.
 
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::{ClosureMaterial, LaneMaterial, Transport};
@@ -16,7 +16,7 @@ use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
-/// The index on the back, for the materials whose default is glass.
+/// The index on the back, for materials that default to glass.
 pub(crate) const INT_IOR: ParameterManual = parameter(
     "int_ior",
     "float or string",
@@ -30,7 +30,7 @@ pub(crate) const EXT_IOR: ParameterManual = parameter(
     "air",
     "The index of refraction outside, on the side of the normal.",
 );
-/// The factor on the transmission.
+/// The transmission factor.
 pub(crate) const SPECULAR_TRANSMITTANCE: ParameterManual = parameter(
     "specular_transmittance",
     "spectrum or texture",
@@ -49,7 +49,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -184,9 +184,9 @@ impl HitClosure for DielectricClosure {
     }
 }
 
-/// The factor on what is refracted where the index is `eta_ti` times as high on the side of `wi`
-/// as on that of `wo`. Radiance over the squared index is what light keeps (Veach's thesis, 1997,
-/// section 5.2).
+/// The radiance scale on refraction, where `eta_ti` is the index on the side of `wi` over that on
+/// the side of `wo`. Refraction preserves radiance divided by the squared index (Veach's thesis,
+/// 1997, section 5.2).
 #[inline(always)]
 pub(crate) fn radiance_scale<R: Real>(eta_ti: R, transport: Transport) -> R {
     match transport {

@@ -30,7 +30,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -63,7 +63,7 @@ impl Default for Diffuse {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Diffuse> {
-    // The second name is that of the coated materials; scenes use it here as well.
+    // The second name is the coated materials' one. Some scenes use it here too.
     let name = match parameters.has("reflectance") || !parameters.has("diffuse_reflectance") {
         true => "reflectance",
         false => "diffuse_reflectance",

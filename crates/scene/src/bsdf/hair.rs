@@ -1,4 +1,4 @@
-//! `hair`: light that meets a hair, and leaves it after any number of bounces inside.
+//! `hair`: light that scatters at a hair fibre, with any number of internal reflections.
 
 use super::dielectric::EXT_IOR;
 use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
@@ -59,7 +59,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -75,11 +75,11 @@ pub(crate) const CASES: Cases = Cases {
     batched: &[],
 };
 
-/// Segments inside the hair that are told apart: none (reflection), one, two; the last term stands
-/// for all the others.
+/// The number of separate scattering terms, by segments inside the hair: none (reflection), one,
+/// two. The last term collects all further ones.
 const TERMS: usize = 4;
 
-/// Absorption of unit concentrations, per radius of the hair (d'Eon et al., "An Energy-Conserving
+/// Absorption of unit pigment concentrations, per hair radius (d'Eon et al., "An Energy-Conserving
 /// Hair Reflectance Model", 2011).
 const EUMELANIN: Spectrum = Spectrum::from_rgb([0.419, 0.697, 1.37]);
 const PHEOMELANIN: Spectrum = Spectrum::from_rgb([0.187, 0.4, 1.05]);
@@ -92,7 +92,7 @@ pub struct Hair {
     fiber: Fiber,
 }
 
-/// What is the same all along a hair.
+/// The constants of a fibre.
 #[derive(Clone, Copy, Debug)]
 struct Fiber {
     eta: f32,
@@ -100,7 +100,7 @@ struct Fiber {
     concentrations: [f32; TERMS],
     /// The scale of the logistic distribution around the hair.
     azimuthal_scale: f32,
-    /// By how much scales turn the first three terms: sine and cosine.
+    /// The angles by which the cuticle scales tilt the first three terms: sine and cosine.
     tilts: [(f32, f32); TERMS - 1],
 }
 
@@ -132,7 +132,7 @@ impl Fiber {
     fn new(eta: f32, roughness: Vec2, tilt: f32) -> Self {
         let Vec2 { x: along, y: around } = roughness;
         let deviation = 0.726 * along + 0.812 * along * along + 3.7 * along.powi(20);
-        // Sharper lobes would be lost between the digits of directions.
+        // The directions' precision cannot resolve sharper lobes.
         let variance = (deviation * deviation).max(1e-5);
         let variances = [variance, 0.25 * variance, 4.0 * variance, 4.0 * variance];
         let scale =
@@ -142,7 +142,8 @@ impl Fiber {
             eta,
             concentrations: variances.map(|variance| 1.0 / variance),
             azimuthal_scale: scale.max(1e-4),
-            // Reflection is turned by −2α, each passage by α more: Marschner et al. 2003, table 1.
+            // Reflection is tilted by −2α, and each further segment adds α: Marschner et al. 2003,
+            // table 1.
             tilts: [-2.0 * tilt, tilt, 4.0 * tilt].map(f32::sin_cos),
         }
     }
@@ -155,8 +156,8 @@ impl ClosureMaterial for Hair {
         true
     }
 
-    /// Reads the textures at a hit. Out of line, as are the closure's functions: what is rare must
-    /// not grow the loops that all materials share.
+    /// Reads the textures at a hit. Not inlined, like the closure's functions: rare code must not
+    /// bloat the loops that all materials share.
     #[inline(never)]
     fn resolve<'a>(
         &'a self,
@@ -164,22 +165,22 @@ impl ClosureMaterial for Hair {
         surface: &SurfaceInteraction,
     ) -> HairClosure<'a> {
         let absorption = self.absorption.eval(textures, surface) * self.absorption_scale;
-        // A texture may hold anything.
+        // A texture may contain any value.
         HairClosure { absorption: absorption.clamp(0.0, 1e30), fiber: &self.fiber }
     }
 }
 
-/// Hair, resolved. The y axis of the local frame runs along the hair.
+/// Resolved hair. The y axis of the local frame runs along the hair.
 #[derive(Clone, Copy, Debug)]
 pub struct HairClosure<'a> {
     absorption: Spectrum,
     fiber: &'a Fiber,
 }
 
-/// A direction as a hair sees it.
+/// A direction in the fibre's angles.
 #[derive(Clone, Copy)]
 struct FiberDirection {
-    /// Of the angle to the plane across the hair.
+    /// The sine and cosine of the angle to the plane across the hair.
     sin_theta: f32,
     cos_theta: f32,
     /// The angle around the hair.
@@ -191,7 +192,7 @@ impl FiberDirection {
         Self { sin_theta: v.y, cos_theta: v.x.hypot(v.z), phi: v.z.atan2(v.x) }
     }
 
-    /// The same direction tilted along the hair by an angle with this sine and cosine.
+    /// The same direction, tilted along the hair by the angle with this sine and cosine.
     fn tilted(self, (sine, cosine): (f32, f32)) -> Self {
         Self {
             sin_theta: self.sin_theta * cosine + self.cos_theta * sine,
@@ -201,14 +202,14 @@ impl FiberDirection {
     }
 }
 
-/// What becomes of light from one direction.
+/// How light from one direction passes through the fibre.
 struct Passage<'a> {
     fiber: &'a Fiber,
     wi: FiberDirection,
-    /// Between the direction and the normal, across the hair: outside and inside.
+    /// The angle between the direction and the normal in the cross-section, outside and inside.
     gamma_i: f32,
     gamma_t: f32,
-    /// The share of light that leaves in each term.
+    /// The fraction of light that leaves in each term.
     attenuation: [Spectrum; TERMS],
 }
 
@@ -218,7 +219,7 @@ impl<'a> Passage<'a> {
         let gamma_i = -wi.x.atan2(wi.z);
         let wi = FiberDirection::new(wi);
         let sin2_theta = wi.sin_theta * wi.sin_theta;
-        // Bravais' law: across the hair, light is bent by a higher index.
+        // Bravais' law: in the cross-section, light refracts as if the index were higher.
         let projected = (fiber.eta * fiber.eta - sin2_theta).max(1e-12).sqrt();
         let sin_gamma_t = (gamma_i.sin() * wi.cos_theta / projected).clamp(-1.0, 1.0);
         let cos_theta_t = safe_sqrt(1.0 - sin2_theta / (fiber.eta * fiber.eta)).max(1e-6);
@@ -247,12 +248,12 @@ impl<'a> Passage<'a> {
         (total > 0.0).then(|| luminances.map(|luminance| luminance / total))
     }
 
-    /// The direction from which a term's lobe along the hair comes.
+    /// The direction at the centre of a term's longitudinal lobe.
     fn incident(&self, term: usize) -> FiberDirection {
         self.fiber.tilts.get(term).map_or(self.wi, |&tilt| self.wi.tilted(tilt))
     }
 
-    /// The angle around the hair by which a smooth hair would turn the light.
+    /// The azimuth by which a smooth hair would deflect the light.
     fn turn(&self, term: usize) -> f32 {
         let term = term as f32;
         2.0 * term * self.gamma_t - 2.0 * self.gamma_i + term * PI
@@ -299,9 +300,9 @@ impl<'a> Passage<'a> {
     }
 }
 
-/// The density along the hair, which integrates to one with the weight cos θo.
+/// The longitudinal density, which integrates to one with the weight cos θo.
 ///
-/// d'Eon et al. 2011, equation 7, with exponentials taken together so that none overflows.
+/// d'Eon et al. 2011, equation 7, with the exponentials combined so that none overflows.
 fn longitudinal(concentration: f32, wi: FiberDirection, wo: FiberDirection) -> f32 {
     let cosines = wi.cos_theta * wo.cos_theta;
     let sines = wi.sin_theta * wo.sin_theta;
@@ -310,7 +311,7 @@ fn longitudinal(concentration: f32, wi: FiberDirection, wo: FiberDirection) -> f
     normalisation * exponential * scaled_bessel(concentration * cosines)
 }
 
-/// The sine and cosine of θo with that density; d'Eon et al., "Importance Sampling for
+/// Samples the sine and cosine of θo with that density; d'Eon et al., "Importance Sampling for
 /// Physically-Based Hair Fiber Models", 2013.
 fn sample_longitudinal(concentration: f32, wi: FiberDirection, uniform: Vec2) -> (f32, f32) {
     let floor = (-2.0 * concentration).exp();
@@ -321,7 +322,8 @@ fn sample_longitudinal(concentration: f32, wi: FiberDirection, uniform: Vec2) ->
     (sin_theta, safe_sqrt(1.0 - sin_theta * sin_theta))
 }
 
-/// e⁻ˣ I₀(x) for x ≥ 0: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 9.8.1 and 9.8.2.
+/// e⁻ˣ I₀(x) for x ≥ 0: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 9.8.1 and
+/// 9.8.2.
 fn scaled_bessel(x: f32) -> f32 {
     const NEAR: [f32; 7] =
         [1.0, 3.515_622_9, 3.089_942_4, 1.206_749_2, 0.265_973_2, 0.036_076_8, 0.004_581_3];
@@ -346,7 +348,7 @@ fn scaled_bessel(x: f32) -> f32 {
     }
 }
 
-/// The logistic distribution cut off at ±π, at an angle of any size.
+/// The logistic density truncated to ±π. The angle may be of any size.
 fn trimmed_logistic(angle: f32, scale: f32) -> f32 {
     let angle = (angle - TAU * (angle / TAU).round()).abs();
     let exponential = (-angle / scale).exp();
@@ -354,7 +356,7 @@ fn trimmed_logistic(angle: f32, scale: f32) -> f32 {
     whole / (0.5 * PI / scale).tanh()
 }
 
-/// An angle with that density.
+/// Samples an angle with that density.
 fn sample_trimmed_logistic(uniform: f32, scale: f32) -> f32 {
     let lowest = 1.0 / (1.0 + (PI / scale).exp());
     let share = lowest + uniform * (0.5 * PI / scale).tanh();

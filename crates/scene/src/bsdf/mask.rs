@@ -24,7 +24,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -58,7 +58,7 @@ impl WrapperMaterial for Mask {
         true
     }
 
-    /// Adds the nested closures, and the straight way for what they do not cover.
+    /// Adds the nested closures, and null transmission for the uncovered fraction.
     fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
         let opacity = limited(self.opacity.eval(gather.textures, gather.surface), 0.0, 1.0);
         if opacity > 0.0 {

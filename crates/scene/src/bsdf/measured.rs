@@ -1,4 +1,4 @@
-//! `measured`: a material measured in the laboratory.
+//! `measured`: a material from laboratory measurements.
 
 mod data;
 mod grids;
@@ -32,7 +32,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -93,21 +93,21 @@ pub struct MeasuredClosure<'a> {
 struct Incident<'a> {
     measurement: &'a Measurement,
     wi: Vec3,
-    /// Takes both directions to where the material was measured, and back.
+    /// The signs that mirror both directions into the measured range of azimuths, and back.
     mirror: Vec3,
     theta: f32,
     phi: f32,
     mix: Mix,
 }
 
-/// The angle between a direction and the normal, exact also where it is small.
+/// The angle between a direction and the normal, accurate also for small angles.
 fn elevation(v: Vec3) -> f32 {
     2.0 * (0.5 * (v - Vec3::Z).length()).min(1.0).asin()
 }
 
 impl<'a> Incident<'a> {
     fn new(measurement: &'a Measurement, wi: Vec3) -> Self {
-        // Azimuths are measured from −π on: the lower half, and of that the left quarter.
+        // Azimuths are measured from −π: the lower half, or the left quarter of it.
         let below = |coordinate: f32| if coordinate > 0.0 { -1.0 } else { 1.0 };
         let mirror = match measurement.symmetry {
             Symmetry::Isotropic | Symmetry::Full => Vec3::ONE,
@@ -119,12 +119,13 @@ impl<'a> Incident<'a> {
         Self { measurement, wi, mirror, theta, phi, mix: measurement.mix(phi, theta) }
     }
 
-    /// Azimuths of normals count from that of the incident direction where that does not matter.
+    /// The origin of the normals' azimuths: for isotropic materials, the azimuth of the incident
+    /// direction.
     fn origin(&self) -> f32 {
         if self.measurement.symmetry == Symmetry::Isotropic { self.phi } else { 0.0 }
     }
 
-    /// The value where the normal lies at `normal` of the unit square, chosen by `uniform`.
+    /// The value with the normal at `normal` in the unit square, selected by `uniform`.
     fn value(&self, normal: Vec2, uniform: Vec2) -> Spectrum {
         let measurement = self.measurement;
         let channel = |channel: usize| {
@@ -142,7 +143,7 @@ impl<'a> Incident<'a> {
         color * (measurement.normals.eval(&ONLY, normal) / (4.0 * projected))
     }
 
-    /// Solid angle of `wo` per unit of the square in which normals lie.
+    /// The solid angle of `wo` per unit of the square that normals are sampled in.
     fn jacobian(&self, normal: Vec2, m: Vec3) -> f32 {
         let sine = m.truncate().length();
         (2.0 * PI * PI * normal.x * sine).max(1e-6) * 4.0 * self.wi.dot(m)
@@ -169,7 +170,7 @@ impl<'a> Incident<'a> {
 }
 
 impl Closure for MeasuredClosure<'_> {
-    /// Out of line, as is [`Self::sample`]: what is rare must not grow the loops that all materials
+    /// Not inlined, like [`Self::sample`]: rare code must not bloat the loops that all materials
     /// share.
     #[inline(never)]
     fn eval_pdf(&self, wi: Vec3, wo: Vec3, _transport: Transport) -> (Spectrum, f32) {
@@ -204,7 +205,7 @@ impl Closure for MeasuredClosure<'_> {
         true
     }
 
-    /// The mean weight of a few samples: there is nothing simpler.
+    /// The mean weight of a few samples; there is no simpler formula.
     fn albedo(&self, wi: Vec3) -> Spectrum {
         const SIDE: u16 = 4;
         let at = |index: u16| (f32::from(index) + 0.5) / f32::from(SIDE);

@@ -1,4 +1,4 @@
-//! `normalmap`: a material on a surface whose normals come from a picture.
+//! `normalmap`: a material on a surface whose normals come from an image.
 
 use super::{Bsdf, Gather, Placement, WrapperMaterial};
 use crate::builder::Builder;
@@ -13,7 +13,7 @@ use etendue_math::Frame;
 use etendue_spectrum::SpectrumUse;
 use glam::Vec3;
 
-/// What to do where the tilted normal faces away.
+/// What to do if the perturbed normal faces away from the viewer.
 pub(crate) const FLIP_INVALID_NORMALS: ParameterManual = parameter(
     "flip_invalid_normals",
     "boolean",
@@ -47,7 +47,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -63,7 +63,7 @@ pub(crate) const CASES: Cases = Cases {
     batched: &[],
 };
 
-/// A material with a picture of its normals.
+/// A material with a normal map.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalMap {
     map: ColorSource,
@@ -83,34 +83,34 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<N
     Some(NormalMap { map: map?, perturbation, nested: nested?[0] })
 }
 
-/// What bump and normal maps do with the normal that they found.
+/// How bump and normal maps use the normal they found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Perturbation {
     facing: Facing,
     shadowing: Shadowing,
 }
 
-/// What becomes of a normal that faces away from the viewer.
+/// What to do with a normal that faces away from the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Facing {
     /// Its tangential part is reversed (Schüssler et al., *Microfacet-Based Normal Mapping for
     /// Robust Monte Carlo Path Tracing*, 2017).
     Flipped,
-    /// It stays.
+    /// It is kept.
     Kept,
 }
 
-/// Whether light fades out towards the horizon of the untilted surface.
+/// How light behaves towards the horizon of the unperturbed surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shadowing {
-    /// As among microfacets.
+    /// It fades out, as with microfacet shadowing.
     Smooth,
-    /// It ends at once.
+    /// It is cut off abruptly.
     None,
 }
 
 impl Perturbation {
-    /// Reads the parameters that both maps have.
+    /// Reads the parameters that both kinds of map share.
     pub(crate) fn read(parameters: &Parameters<'_>) -> Self {
         let facing = match parameters.boolean("flip_invalid_normals", true) {
             true => Facing::Flipped,
@@ -123,8 +123,8 @@ impl Perturbation {
         Self { facing, shadowing }
     }
 
-    /// `placement` turned so that its z axis is `normal`, which is in its coordinates and of any
-    /// length. `wi` is in shading coordinates.
+    /// `placement` with its z axis turned to `normal`, which is in the placement's coordinates and
+    /// need not be normalised. `wi` is in shading coordinates.
     pub(crate) fn place(&self, normal: Vec3, wi: Vec3, placement: Placement) -> Placement {
         let wi = placement.to_closure(wi);
         let away = wi.z * wi.dot(normal) <= 0.0;
@@ -132,7 +132,7 @@ impl Perturbation {
             Facing::Flipped if away => Vec3::new(-normal.x, -normal.y, normal.z),
             _ => normal,
         };
-        // A map without a direction changes nothing.
+        // A zero or invalid normal changes nothing.
         let normal = normal.try_normalize().unwrap_or(Vec3::Z);
         let turned = placement.turned(Frame::from_normal_and_tangent(normal, Vec3::X));
         match self.shadowing {
@@ -149,7 +149,7 @@ impl WrapperMaterial for NormalMap {
 
     /// Adds the nested closures in the tilted frame.
     fn gather<'a>(&self, gather: &Gather<'a, '_>, placement: Placement, bsdf: &mut Bsdf<'a>) {
-        // The picture holds data, not light: its three channels are the coordinates.
+        // The image holds data, not light. Its three channels are the coordinates.
         let color = self.map.eval(gather.textures, gather.surface);
         let normal = Vec3::from_array(color.rgb()) * 2.0 - Vec3::ONE;
         let placement = self.perturbation.place(normal, gather.surface.wi, placement);

@@ -1,4 +1,4 @@
-//! `null`: a surface that is not there, and what lets light go straight on but for a share of it.
+//! `null`: a surface that light passes straight through, wholly or in part.
 
 use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
@@ -18,7 +18,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="null"/>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -31,7 +31,7 @@ pub(crate) const CASES: Cases = Cases {
     batched: &[],
 };
 
-/// A surface that turns no light aside: not there at all, or a filter.
+/// A surface that deflects no light: either invisible or a filter.
 #[derive(Clone, Copy, Debug)]
 pub struct Null {
     transmittance: ColorSource,
@@ -45,7 +45,7 @@ pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option
 }
 
 impl Null {
-    /// A filter that lets `share` of a transmittance through.
+    /// A filter that passes the fraction `share` of a transmittance.
     #[must_use]
     pub fn filter(transmittance: ColorSource, share: f32) -> Self {
         Self { transmittance, share }
@@ -67,14 +67,14 @@ impl ClosureMaterial for Null {
     }
 }
 
-/// Light goes straight on, as much of it as is let through.
+/// Light passes straight through, scaled by the transmittance.
 #[derive(Clone, Copy, Debug)]
 pub struct NullClosure {
     transmittance: Spectrum,
 }
 
 impl NullClosure {
-    /// All light goes straight on.
+    /// All light passes straight through.
     pub const CLEAR: Self = Self { transmittance: Spectrum::ONE };
 }
 

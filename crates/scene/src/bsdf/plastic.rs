@@ -21,7 +21,7 @@ use etendue_sampling::warp::cosine_hemisphere;
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
-/// The matt base, which the rough coat has too.
+/// The matt base, shared with the rough coat.
 pub(crate) const DIFFUSE_REFLECTANCE: ParameterManual = parameter(
     "diffuse_reflectance",
     "spectrum or texture",
@@ -35,7 +35,7 @@ pub(crate) const INT_IOR: ParameterManual = parameter(
     "polypropylene",
     "The index of refraction of the coat: a number, or a name.",
 );
-/// What scattering inside does to colours.
+/// How internal scattering affects colours.
 pub(crate) const NONLINEAR: ParameterManual = parameter(
     "nonlinear",
     "boolean",
@@ -54,7 +54,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -81,7 +81,7 @@ pub struct Plastic {
     specular_reflectance: ColorSource,
     eta: f32,
     shift: ColorShift,
-    /// The share of diffuse light that the coat reflects from inside.
+    /// The fraction of diffuse light that the coat reflects back inside.
     internal_diffuse_reflectance: f32,
 }
 
@@ -144,9 +144,9 @@ impl LaneMaterial for Plastic {
 /// A resolved smooth coat over a matt base.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlasticClosure<R = f32> {
-    /// The base's reflectance with internal reflections, over the squared index.
+    /// The base's reflectance with internal reflections, divided by the squared index.
     base: SpectrumLanes<R>,
-    /// The base's reflectance alone, which weighs the choice of lobes.
+    /// The base's reflectance alone, used to select lobes.
     reflectance: SpectrumLanes<R>,
     specular: SpectrumLanes<R>,
     eta: R,
@@ -156,20 +156,21 @@ pub struct PlasticClosure<R = f32> {
 columns!(PlasticClosure { base, reflectance, specular, eta, internal_diffuse_reflectance });
 
 impl<R: Real> PlasticClosure<R> {
-    /// The share of light that goes through the coat.
+    /// The fraction of light that the coat transmits.
     #[inline(always)]
     fn transmitted(&self, cosine: R) -> R {
         -fresnel::dielectric(cosine, self.eta).reflectance + 1.0
     }
 
-    /// The share of samples that go to the mirror, where the coat lets the share `entering` in.
+    /// The probability of sampling the mirror, given the fraction `entering` that the coat
+    /// transmits.
     #[inline(always)]
     fn specular_probability(&self, entering: R) -> R {
         specular_probability(self.specular, self.reflectance, -entering + 1.0)
     }
 
-    /// What the base does. `wi` is above the surface, and `entering` the share of its light that the
-    /// coat lets in.
+    /// The base's value and density. `wi` is above the surface; the coat transmits the fraction
+    /// `entering` of its light.
     #[inline(always)]
     fn eval_pdf_entering(&self, entering: R, wo: Vector3<R>) -> (SpectrumLanes<R>, R) {
         let cosine = cosine_hemisphere::pdf_lanes(wo);
@@ -235,7 +236,8 @@ impl HitClosure for PlasticClosure {
             return Spectrum::ZERO;
         }
         let entering = self.transmitted(wi.z);
-        // What diffuse light leaves through the coat: (1 − F inside) η² of (1 − F outside) / η².
+        // The diffuse light that leaves through the coat: 1 − F from inside, and η² because `base`
+        // is already divided by it.
         let leaving = (1.0 - self.internal_diffuse_reflectance) * self.eta * self.eta;
         (self.specular * (1.0 - entering) + self.base * (entering * leaving)).into()
     }

@@ -1,4 +1,4 @@
-//! `polarizer`: an ideal linear polarizer, as unpolarised light meets it.
+//! `polarizer`: an ideal linear polarizer, in its effect on unpolarised light.
 
 use super::null::Null;
 use crate::builder::Builder;
@@ -8,7 +8,7 @@ use crate::models::bsdf_inputs::reflectance;
 use crate::testing::bsdf_cases::{Cases, plain};
 use etendue_document::Parameters;
 
-/// The parameter that all filters for polarised light have.
+/// The parameter that all polarisation filters have.
 pub(crate) const TRANSMITTANCE: ParameterManual = parameter(
     "transmittance",
     "spectrum or texture",
@@ -16,7 +16,7 @@ pub(crate) const TRANSMITTANCE: ParameterManual = parameter(
     "A factor on the light that is let through.",
 );
 
-/// The share of unpolarised light that an ideal polarizer lets through (Malus' law, averaged over all
+/// The fraction of unpolarised light that an ideal polarizer passes (Malus' law, averaged over all
 /// angles).
 pub(crate) const SHARE: f32 = 0.5;
 
@@ -46,7 +46,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -62,7 +62,7 @@ pub(crate) const CASES: Cases = Cases {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Null> {
-    // They are read for their mistakes alone: see the manual.
+    // The parameters have no effect. They are read only to report mistakes; see the manual.
     builder.scalar(parameters, "theta", 0.0);
     parameters.boolean("polarizing", true);
     Some(Null::filter(reflectance(builder, parameters, "transmittance", 1.0), SHARE))

@@ -1,4 +1,4 @@
-//! `principled`: Disney's material, from metal over plastic to glass.
+//! `principled`: Disney's material, which covers metal, plastic and glass.
 
 use super::dielectric::radiance_scale;
 use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
@@ -73,7 +73,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -101,7 +101,7 @@ pub struct Principled {
     rates: Rates,
 }
 
-/// How often the lobes are sampled.
+/// Relative sampling rates of the lobes.
 #[derive(Clone, Copy, Debug)]
 struct Rates {
     specular: f32,
@@ -127,7 +127,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
 }
 
 /// The index from `eta` or `specular`. A rough interface between equal indices would transmit in
-/// one direction only, so where the material transmits, they are kept a little apart.
+/// one direction only. If the material transmits, the indices are kept slightly apart.
 fn relative_index(parameters: &Parameters<'_>, transmits: bool) -> f32 {
     let specular = parameters.float_in("specular", 0.5, 0.0..=1.0) as f32;
     if parameters.has("eta") {
@@ -149,8 +149,8 @@ impl ClosureMaterial for Principled {
         self.base.transmits()
     }
 
-    /// Reads the textures at a hit. Out of line, as are the closure's functions: what is rare must
-    /// not grow the loops that all materials share.
+    /// Reads the textures at a hit. Not inlined, like the closure's functions: rare code must not
+    /// bloat the loops that all materials share.
     #[inline(never)]
     fn resolve<'a>(
         &'a self,
@@ -172,21 +172,21 @@ pub struct PrincipledClosure<'a> {
     base: Base,
     clearcoat: f32,
     coat: CoatNormals,
-    /// What does not vary.
+    /// The parameters that do not vary.
     material: &'a Principled,
 }
 
-/// The surface as seen from the side of `wi`, which is above.
+/// The surface seen from the side of `wi`, which is above it.
 struct Facing<'a> {
     closure: &'a PrincipledClosure<'a>,
     wi: Vec3,
-    /// Whether that side is the outside.
+    /// Whether that side is outside.
     front: bool,
     /// The index below over the index above.
     eta: f32,
 }
 
-/// The probabilities of the lobes, where the main one reflects the share `reflected`.
+/// The probabilities of the lobes, given the fraction `reflected` that the main one reflects.
 struct Choice {
     diffuse: f32,
     clearcoat: f32,
@@ -195,11 +195,11 @@ struct Choice {
 }
 
 impl PrincipledClosure<'_> {
-    /// Turns what comes from below upside down. The factor takes directions there and back.
+    /// Flips directions so that `wi` is above. The factor converts them in both ways.
     #[inline]
     fn facing(&self, wi: Vec3) -> Option<(Facing<'_>, f32)> {
         let front = wi.z > 0.0;
-        // From behind there is nothing but the way out of glass.
+        // From behind, light can only leave through glass.
         if wi.z == 0.0 || !front && self.glass() == 0.0 {
             return None;
         }
@@ -208,13 +208,13 @@ impl PrincipledClosure<'_> {
         Some((Facing { closure: self, wi: wi * side, front, eta }, side))
     }
 
-    /// The share of the opaque dielectric.
+    /// The weight of the opaque dielectric.
     #[inline]
     fn opaque(&self) -> f32 {
         (1.0 - self.base.metallic) * (1.0 - self.base.spec_trans)
     }
 
-    /// The share of glass.
+    /// The weight of glass.
     #[inline]
     fn glass(&self) -> f32 {
         (1.0 - self.base.metallic) * self.base.spec_trans
@@ -222,8 +222,8 @@ impl PrincipledClosure<'_> {
 }
 
 impl Facing<'_> {
-    /// `None` where nothing is to be sampled. The sum of the weights does not depend on the
-    /// microfacet, so the same normal gives the same probabilities when it is evaluated.
+    /// `None` if there is nothing to sample. The sum of the weights does not depend on the
+    /// microfacet, so evaluation finds the same probabilities for the same normal.
     #[inline]
     fn choice(&self, reflected: f32) -> Option<Choice> {
         let closure = self.closure;
@@ -253,7 +253,7 @@ impl Facing<'_> {
         })
     }
 
-    /// The normal of the microfacets that take the light to `wo`, above the surface.
+    /// The normal of the microfacets that scatter light to `wo`, above the surface.
     #[inline]
     fn normal(&self, wo: Vec3) -> Option<Vec3> {
         let relative = if wo.z > 0.0 { 1.0 } else { self.eta };
@@ -272,7 +272,7 @@ impl Facing<'_> {
         } else {
             self.transmission(wo, m, reflected, choice, transport)
         };
-        // The Jacobians overflow along grazing microfacets.
+        // The Jacobians overflow at grazing microfacets.
         (value.is_finite() && pdf.is_finite()).then_some((value, pdf))
     }
 
@@ -287,7 +287,7 @@ impl Facing<'_> {
         let (wi, cos_d) = (self.wi, self.wi.dot(m));
         let main = closure.base.microfacets(1.0).reflection(wi, wo, m);
         let mut value = Spectrum::ZERO;
-        // As in Mitsuba, there is no reflection at all where the indices are equal, also of metal.
+        // As in Mitsuba, equal indices mean no reflection at all, not even from metal.
         if reflected > 0.0 {
             value = self.tint(reflected, cos_d) * main.value;
         }
@@ -328,14 +328,14 @@ impl Facing<'_> {
             * (microfacets.masking_over_cosine(wo) * -wo.z);
         let share = closure.glass() * (1.0 - reflected);
         let value = microfacets.density(m) * masking * cos_i * jacobian * share;
-        // The light passes two such interfaces: the root of the colour at each.
+        // The light crosses two such interfaces. Each takes the square root of the colour.
         let tint = closure.base.color.sqrt() * radiance_scale(1.0 / self.eta, transport);
         let pdf = choice.map_or(0.0, |choice| choice.transmission);
         (tint * value, pdf * microfacets.pdf(self.wi, m) * jacobian)
     }
 
-    /// The share that the main lobe reflects: by Fresnel's equations for the clear part, by
-    /// Schlick's approximation where it is metal or takes on the base colour.
+    /// The fraction that the main lobe reflects: Fresnel's equations for the clear part, Schlick's
+    /// approximation for the metallic part and for the tint of the base colour.
     #[inline]
     fn tint(&self, reflected: f32, cosine: f32) -> Spectrum {
         let closure = self.closure;

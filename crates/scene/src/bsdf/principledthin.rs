@@ -1,4 +1,4 @@
-//! `principledthin`: Disney's material for sheets: leaves, paper, curtains.
+//! `principledthin`: Disney's material for thin sheets: leaves, paper, curtains.
 
 use super::{BsdfSample, Closure, ClosureMaterial, Lobe, Transport};
 use crate::builder::Builder;
@@ -85,7 +85,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -99,7 +99,7 @@ pub(crate) const CASES: Cases = Cases {
     batched: &[],
 };
 
-/// Disney's material for sheets.
+/// Disney's material for thin sheets.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledThin {
     base: BaseParameters,
@@ -108,7 +108,7 @@ pub struct PrincipledThin {
     rates: Rates,
 }
 
-/// How often the lobes are sampled.
+/// Relative sampling rates of the lobes.
 #[derive(Clone, Copy, Debug)]
 struct Rates {
     diffuse_reflection: f32,
@@ -142,8 +142,8 @@ impl ClosureMaterial for PrincipledThin {
         true
     }
 
-    /// Reads the textures at a hit. Out of line, as are the closure's functions: what is rare must
-    /// not grow the loops that all materials share.
+    /// Reads the textures at a hit. Not inlined, like the closure's functions: rare code must not
+    /// bloat the loops that all materials share.
     #[inline(never)]
     fn resolve<'a>(
         &'a self,
@@ -159,17 +159,17 @@ impl ClosureMaterial for PrincipledThin {
     }
 }
 
-/// Disney's material for sheets, resolved.
+/// Disney's material for thin sheets, resolved.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledThinClosure<'a> {
     base: Base,
     eta: f32,
-    /// The share of diffuse light that passes.
+    /// The fraction of diffuse light that is transmitted.
     passing: f32,
     rates: &'a Rates,
 }
 
-/// A number for each lobe.
+/// One number per lobe.
 #[derive(Clone, Copy)]
 struct Lobes {
     specular_reflection: f32,
@@ -178,23 +178,23 @@ struct Lobes {
     diffuse_transmission: f32,
 }
 
-/// The vector on the other side of the sheet.
+/// The vector mirrored to the other side of the sheet.
 #[inline]
 fn through(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.y, -v.z)
 }
 
 impl PrincipledThinClosure<'_> {
-    /// The normals of what passes: light is bent twice by the sheet, so that it is spread less the
-    /// nearer the index is to one (Burley 2015, figure 15).
+    /// The distribution of normals for transmission. The sheet refracts light twice, so the spread
+    /// shrinks as the index approaches one (Burley 2015, figure 15).
     #[inline]
     fn passing_normals(&self) -> Microfacets {
         self.base.microfacets(0.65 * self.eta - 0.35)
     }
 
-    /// Value and density for `wi` above the sheet and `wo` on either side.
+    /// The value and density for `wi` above the sheet and `wo` on either side.
     fn eval_pdf_above(&self, wi: Vec3, wo: Vec3) -> (Spectrum, f32) {
-        // Half way to the mirror image, where light passes.
+        // The half vector; for transmission, `wo` is mirrored first.
         let reflected = Vec3::new(wo.x, wo.y, wo.z.abs());
         let m = (wi + reflected).normalize_or_zero();
         if wo.z > 0.0 { self.reflection(wi, wo, m) } else { self.transmission(wi, wo, m) }
@@ -224,7 +224,7 @@ impl PrincipledThinClosure<'_> {
         let share = (1.0 - self.base.spec_trans) * self.passing;
         let mut value = self.base.color * (share * FRAC_1_PI * -wo.z);
         let mut pdf = lobes.diffuse_transmission * cosine_hemisphere::pdf(-wo);
-        // As in Mitsuba, nothing passes where the microfacet hides the far side.
+        // As in Mitsuba, nothing is transmitted if the microfacet hides the far side.
         if self.base.spec_trans > 0.0 && wo.dot(m) < 0.0 {
             let share = 1.0 - fresnel::dielectric(wi.dot(m), self.eta).reflectance;
             let mirror = self.passing_normals().reflection(wi, through(wo), m);
@@ -234,7 +234,7 @@ impl PrincipledThinClosure<'_> {
         (value, pdf)
     }
 
-    /// The probabilities of the lobes; all zero where none is to be sampled.
+    /// The probabilities of the lobes; all zero if there is nothing to sample.
     #[inline]
     fn probabilities(&self) -> Lobes {
         let (rates, specular) = (self.rates, 0.5 * self.base.spec_trans);
@@ -258,7 +258,7 @@ impl PrincipledThinClosure<'_> {
         }
     }
 
-    /// A direction for `wi` above the sheet.
+    /// Samples a direction for `wi` above the sheet.
     fn sample_above(&self, wi: Vec3, lobe: f32, uniform: Vec2) -> Option<(Vec3, Lobe)> {
         let lobes = self.probabilities();
         let mut remaining = lobe;
@@ -281,7 +281,7 @@ impl PrincipledThinClosure<'_> {
         if chosen(lobes.diffuse_reflection) {
             return Some((wo, Lobe::Smooth));
         }
-        // What rounding leaves has no density where there is no such lobe, and fails.
+        // If rounding selects a lobe that does not exist, its density is zero and the sample fails.
         Some((-wo, Lobe::Smooth))
     }
 }
@@ -294,7 +294,7 @@ impl Closure for PrincipledThinClosure<'_> {
         }
         let side = wi.z.signum();
         let (value, pdf) = self.eval_pdf_above(wi * side, wo * side);
-        // Densities along grazing microfacets may overflow.
+        // Densities at grazing microfacets may overflow.
         if value.is_finite() && pdf.is_finite() { (value, pdf) } else { (Spectrum::ZERO, 0.0) }
     }
 

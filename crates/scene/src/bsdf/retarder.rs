@@ -1,4 +1,4 @@
-//! `retarder`: an ideal linear retarder (a wave plate), as unpolarised light meets it.
+//! `retarder`: an ideal linear retarder (a wave plate), in its effect on unpolarised light.
 
 use super::null::Null;
 use super::polarizer::TRANSMITTANCE;
@@ -31,7 +31,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<bsdf type="retarder"><float name="delta" value="180"/></bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -47,7 +47,7 @@ pub(crate) const CASES: Cases = Cases {
 
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Null> {
-    // They are read for their mistakes alone: see the manual.
+    // The parameters have no effect. They are read only to report mistakes; see the manual.
     builder.scalar(parameters, "theta", 0.0);
     builder.scalar(parameters, "delta", 90.0);
     Some(Null::filter(reflectance(builder, parameters, "transmittance", 1.0), 1.0))

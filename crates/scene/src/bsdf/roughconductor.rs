@@ -1,4 +1,4 @@
-//! `roughconductor`: a rough metal, made of microfacets.
+//! `roughconductor`: a rough metal with microfacets.
 
 use super::conductor::{ETA, EXT_ETA, K, MATERIAL, SPECULAR_REFLECTANCE};
 use super::{ClosureMaterial, LaneMaterial, Transport};
@@ -17,7 +17,7 @@ use etendue_math::lanes::{Mask as _, Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec3;
 
-/// The parameters of the roughness, which the other rough materials have too.
+/// The roughness parameters, shared with the other rough materials.
 pub(crate) const ALPHA: ParameterManual = parameter(
     "alpha",
     "float or texture",
@@ -70,7 +70,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -177,8 +177,8 @@ pub struct RoughConductorClosure<R = f32> {
 columns!(RoughConductorClosure { eta, k, specular, microfacets });
 
 impl<R: Real> RoughConductorClosure<R> {
-    /// Value and density where the microfacets between `wi` and `wo` have the normal `m`; zero
-    /// where not both are `above` the surface.
+    /// The value and density for microfacets of normal `m` between `wi` and `wo`; zero unless both
+    /// are `above` the surface.
     #[inline(always)]
     fn eval_pdf_at(
         &self,

@@ -1,4 +1,4 @@
-//! `roughdielectric`: frosted glass, made of microfacets.
+//! `roughdielectric`: frosted glass with microfacets.
 
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE, radiance_scale};
@@ -42,7 +42,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -145,7 +145,7 @@ pub struct RoughDielectricClosure<R = f32> {
 
 columns!(RoughDielectricClosure { reflectance, transmittance, eta, microfacets });
 
-/// The interface as seen from the side of `wi`, which is above.
+/// The interface seen from the side of `wi`, which is above it.
 struct Facing<'a, R> {
     closure: &'a RoughDielectricClosure<R>,
     wi: Vector3<R>,
@@ -153,7 +153,7 @@ struct Facing<'a, R> {
     eta: R,
     /// The distribution that normals are sampled from.
     sampled: Microfacets<R>,
-    /// −1 where everything is upside down, else 1.
+    /// −1 if everything is flipped, else 1.
     side: R,
 }
 
@@ -171,8 +171,8 @@ impl<R: Real> Share<R> {
 }
 
 impl<R: Real> RoughDielectricClosure<R> {
-    /// Turns what comes from below upside down. The distribution of normals is symmetric, so the
-    /// whole vectors can be negated.
+    /// Flips directions so that `wi` is above. The distribution of normals is symmetric, so whole
+    /// vectors can be negated.
     #[inline(always)]
     fn facing(&self, wi: Vector3<R>) -> Facing<'_, R> {
         let is_front = wi.z.above(0.0);
@@ -182,7 +182,7 @@ impl<R: Real> RoughDielectricClosure<R> {
         let eta = R::select(is_front, self.eta, self.eta.reciprocal());
         let sampled = match self.microfacets.sampling() {
             NormalSampling::Visible => self.microfacets,
-            // Walter et al., section 5.3: a wider distribution keeps the weights down.
+            // Walter et al., section 5.3: a wider distribution bounds the weights.
             NormalSampling::All => self.microfacets.scaled(-wi.z.sqrt() * 0.2 + 1.2),
         };
         Facing { closure: self, wi, eta, sampled, side }
@@ -190,8 +190,8 @@ impl<R: Real> RoughDielectricClosure<R> {
 }
 
 impl<R: Real> Facing<'_, R> {
-    /// The normal of the microfacets that take the light to `wo`, above the surface, and whether
-    /// there is one and it can be seen from both.
+    /// The normal of the microfacets that scatter light to `wo`, above the surface, and whether it
+    /// exists and is visible from both directions.
     #[inline(always)]
     fn normal(&self, wo: Vector3<R>) -> (Vector3<R>, R::Mask) {
         let relative = R::select(wo.z.above(0.0), self.eta.like(1.0), self.eta);
@@ -219,7 +219,7 @@ impl<R: Real> Facing<'_, R> {
         let share = R::select(reflects, reflected, -reflected + 1.0);
         let value = R::select(reflects, reflection.value, transmission.value);
         let pdf = R::select(reflects, reflection.pdf, transmission.pdf);
-        // The Jacobians overflow along grazing microfacets, and straight on where the indices are
+        // The Jacobians overflow at grazing microfacets, and straight ahead if the indices are
         // nearly equal.
         let exists = value.is_finite() & pdf.is_finite();
         let value = R::select(exists, share * value, share.zero());

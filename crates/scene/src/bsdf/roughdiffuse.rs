@@ -46,7 +46,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -60,12 +60,12 @@ pub(crate) const CASES: Cases = Cases {
     batched: &[],
 };
 
-/// Which form of Oren and Nayar's model.
+/// The variant of Oren and Nayar's model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
-    /// With light that meets two facets.
+    /// With interreflection between two facets.
     Full,
-    /// The fit for a single one.
+    /// The fit for single scattering.
     Short,
 }
 
@@ -126,13 +126,13 @@ pub struct RoughDiffuseClosure {
     form: Form,
 }
 
-/// A pair of directions as the model names their angles: α is the larger polar angle, β the
-/// smaller one. Tangents come multiplied by cos θo, which keeps them finite at grazing angles.
+/// A pair of directions in the model's angles: α is the larger polar angle, β the smaller one.
+/// Tangents are multiplied by cos θo, which keeps them finite at grazing angles.
 struct Angles {
     alpha: f32,
     beta: f32,
     sin_alpha: f32,
-    /// The cosine of the difference in azimuth; zero where it has none.
+    /// The cosine of the azimuth difference; zero if it is undefined.
     cos_phi: f32,
     cos_o: f32,
     /// tan β cos θo.
@@ -206,7 +206,7 @@ impl Closure for RoughDiffuseClosure {
             Form::Full => self.full(&angles),
             Form::Short => self.short(&angles),
         };
-        // The fit dips below zero where both directions graze.
+        // The fit becomes negative if both directions are grazing.
         ((value * FRAC_1_PI).max(Spectrum::ZERO), pdf)
     }
 

@@ -47,7 +47,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -101,7 +101,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<R
     })
 }
 
-/// The table of the coat is for one roughness: of a texture the mean is taken, with a warning.
+/// The coat's table holds one roughness. For a texture it uses the mean, with a warning.
 fn constant_alpha(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> f32 {
     match scalar_within(builder, parameters, "alpha", 0.1, 0.0..=1e4) {
         ScalarSource::Constant(alpha) => alpha,
@@ -173,12 +173,12 @@ impl LaneMaterial for RoughPlastic {
     }
 }
 
-/// A resolved rough coat over a matt base. `C` tells what it lets through.
+/// A resolved rough coat over a matt base. `C` looks up the coat's transmission.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoughPlasticClosure<C, R = f32> {
-    /// The base's reflectance with internal reflections, over the squared index.
+    /// The base's reflectance with internal reflections, divided by the squared index.
     base: SpectrumLanes<R>,
-    /// The base's reflectance alone, which weighs the choice of lobes.
+    /// The base's reflectance alone, used to select lobes.
     reflectance: SpectrumLanes<R>,
     specular: SpectrumLanes<R>,
     microfacets: Microfacets<R>,
@@ -189,13 +189,14 @@ pub(crate) struct RoughPlasticClosure<C, R = f32> {
 columns!(RoughPlasticClosure { base, reflectance, specular, microfacets, eta; coat });
 
 impl<C: Coats<R>, R: Real> RoughPlasticClosure<C, R> {
-    /// The share of samples that go to the coat, where it lets the share `entering` in.
+    /// The probability of sampling the coat, given the fraction `entering` that it transmits.
     #[inline(always)]
     fn specular_probability(&self, entering: R) -> R {
         specular_probability(self.specular, self.reflectance, -entering + 1.0)
     }
 
-    /// Value and density where the coat lets the share `entering` of the light from `wi` in.
+    /// The value and density, given the fraction `entering` of light from `wi` that the coat
+    /// transmits.
     #[inline(always)]
     fn eval_pdf_entering(
         &self,
@@ -246,7 +247,7 @@ impl<C: Coats<R>, R: Real> LaneClosure<R> for RoughPlasticClosure<C, R> {
         let is_specular = lobe.lt(self.specular_probability(entering));
         let mut wo = wi;
         if is_specular.any() {
-            // Lanes that go to the base have nothing to search for.
+            // Lanes that sample the base need no search.
             let x = R::select(is_specular, direction.x, direction.x.like(0.5));
             let m = self.microfacets.sample(wi, Vector2::new(x, direction.y));
             wo = fresnel::reflect_lanes(wi, m);
@@ -271,7 +272,8 @@ impl HitClosure for RoughPlasticClosure<&CoatTable> {
             return Spectrum::ZERO;
         }
         let entering = self.coat.entering(wi.z);
-        // As much leaves the coat as is not thrown back, over the squared index seen from outside.
+        // The diffuse light that leaves through the coat: 1 − F from inside, and η² because `base`
+        // is already divided by it.
         let leaving = (1.0 - self.coat.internal_diffuse_reflectance) * self.eta * self.eta;
         (self.specular * (1.0 - entering) + self.base * (entering * leaving)).into()
     }
@@ -302,7 +304,7 @@ mod tests {
         let bright = material.bsdf(Vec3::Z).albedo(Vec3::Z);
         material.textures = vec![Texture::Constant(etendue_spectrum::Spectrum::ZERO)];
         let black = material.bsdf(Vec3::Z).albedo(Vec3::Z);
-        // Without its base the coat alone reflects some 4 %.
+        // Without its base, the coat alone reflects about 4 %.
         assert!(black[0] > 0.03 && black[0] < 0.05 && bright[0] > 0.2, "{black:?} {bright:?}");
     }
 }

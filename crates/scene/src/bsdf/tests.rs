@@ -1,4 +1,4 @@
-//! Tests that every material has to pass, over the cases that their files state.
+//! Tests that run on every material, over the configurations in its file.
 
 mod energy;
 mod hostile;

@@ -1,4 +1,4 @@
-//! `thindielectric`: a pane of glass without thickness.
+//! `thindielectric`: a glass pane of zero thickness.
 
 use super::conductor::SPECULAR_REFLECTANCE;
 use super::dielectric::{EXT_IOR, INT_IOR, SPECULAR_TRANSMITTANCE};
@@ -27,7 +27,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -114,8 +114,8 @@ pub struct ThinDielectricClosure<R = f32> {
 columns!(ThinDielectricClosure { reflectance, transmittance, eta });
 
 impl<R: Real> ThinDielectricClosure<R> {
-    /// The share of light that the pane reflects at a cosine: with R at one face and T = 1 − R, the
-    /// sum R + T²R + T²R³ + … = 2R / (1 + R).
+    /// The fraction of light that the pane reflects at a cosine. With R at one face and T = 1 − R,
+    /// the sum is R + T²R + T²R³ + … = 2R / (1 + R).
     #[inline(always)]
     fn reflected(&self, cosine: R) -> R {
         let once = fresnel::dielectric(cosine.abs(), self.eta).reflectance;

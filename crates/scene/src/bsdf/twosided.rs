@@ -25,7 +25,7 @@ pub const MANUAL: Manual = Manual {
 </bsdf>"#,
 };
 
-/// What the tests of all materials try.
+/// Configurations for the tests of all materials.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -39,7 +39,7 @@ pub(crate) const CASES: Cases = Cases {
     batched: &[],
 };
 
-/// A material for each side.
+/// One material per side.
 #[derive(Clone, Copy, Debug)]
 pub struct TwoSided {
     front: MaterialId,
@@ -71,13 +71,13 @@ impl WrapperMaterial for TwoSided {
 }
 
 impl TwoSided {
-    /// The material of both sides, if it is one.
+    /// The material of both sides, if they share one.
     #[must_use]
     pub fn both(&self) -> Option<MaterialId> {
         (self.front == self.back).then_some(self.front)
     }
 
-    /// The material of the side that `wi` is on, and how it lies there.
+    /// The material of the side that `wi` is on, and its placement.
     #[inline]
     #[must_use]
     pub fn side(&self, placement: Placement, wi: Vec3) -> (MaterialId, Placement) {

@@ -12,14 +12,14 @@ use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse, metal, metal_names}
 use glam::Vec2;
 use std::ops::RangeInclusive;
 
-/// Clamps a number; NaN, which a texture may hold, becomes the lower bound.
+/// Clamps a number. NaN, which a texture may contain, becomes the lower bound.
 #[inline]
 pub(crate) fn limited(value: f32, low: f32, high: f32) -> f32 {
     if value > low { value.min(high) } else { low }
 }
 
-/// A reflectance or transmittance: a colour from 0 to 1. Larger values create energy; they are kept,
-/// with a warning.
+/// A reflectance or transmittance: a colour from 0 to 1. Larger values create energy; they are
+/// kept, with a warning.
 pub(crate) fn reflectance(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -37,8 +37,8 @@ pub(crate) fn reflectance(
     source
 }
 
-/// A scalar whose constant must be within `bounds`: otherwise, and for NaN, this reports an error and
-/// returns the default. Values of a texture are clamped where they are read.
+/// A scalar. A constant outside `bounds`, or NaN, is an error, and the default is returned. Texture
+/// values are clamped on lookup.
 pub(crate) fn scalar_within(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -59,7 +59,8 @@ pub(crate) fn scalar_within(
     }
 }
 
-/// A fraction from 0 to 1. Values outside are clamped, with a warning, because scenes contain them.
+/// A fraction from 0 to 1. Values outside are clamped with a warning, because existing scenes
+/// contain them.
 pub(crate) fn fraction(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -93,8 +94,8 @@ pub(crate) fn relative_index(
     1.5
 }
 
-/// The same for a rough interface; `None` where both indices are equal, since all of its transmission
-/// would go straight on.
+/// As above, for a rough interface; `None` if both indices are equal, because all of its
+/// transmission would pass straight through.
 pub(crate) fn rough_relative_index(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -120,7 +121,7 @@ pub(crate) struct Roughness {
 }
 
 impl Roughness {
-    /// Reads the parameters; both directions may have textures.
+    /// Reads the parameters. The roughness along each axis may be textured.
     pub(crate) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
         let (distribution, sampling) = distribution(parameters);
         let mut read = |name: &str| scalar_within(builder, parameters, name, 0.1, 0.0..=1e4);
@@ -172,8 +173,8 @@ pub(crate) fn distribution(parameters: &Parameters<'_>) -> (Distribution, Normal
     let choices = [
         ("beckmann", Distribution::Beckmann),
         ("ggx", Distribution::Ggx),
-        // Names of version 0.x: Phong's distribution is close to Beckmann's at the same alpha,
-        // and Ashikhmin and Shirley's is its anisotropic form.
+        // Names of version 0.x. Phong's distribution is close to Beckmann's at the same alpha;
+        // Ashikhmin and Shirley's is its anisotropic form.
         ("phong", Distribution::Beckmann),
         ("as", Distribution::Beckmann),
     ];
@@ -195,7 +196,7 @@ pub(crate) fn distribution(parameters: &Parameters<'_>) -> (Distribution, Normal
 pub(crate) struct MetalIndex {
     eta: ColorSource,
     k: ColorSource,
-    /// The index of what is around it, which divides both.
+    /// The index of the surrounding medium, which divides both.
     outside: f32,
 }
 
@@ -209,7 +210,7 @@ impl MetalIndex {
             let message = "`eta` and `k` are given, so `material` has no effect";
             parameters.warning(Fault::BadValue, "material", message);
         }
-        // Version 0.x only; the index is relative to vacuum without it, as in Mitsuba 3.
+        // Version 0.x only. Otherwise the index is relative to vacuum, as in Mitsuba 3.
         let outside = match parameters.has("ext_eta") {
             true => builder.refractive_index(parameters, "ext_eta", "air"),
             false => 1.0,
@@ -234,7 +235,7 @@ impl MetalIndex {
     }
 }
 
-/// η and k of the metal that `material` names; of the perfect mirror without it.
+/// η and k of the metal named by `material`; those of a perfect mirror by default.
 fn named_metal(parameters: &Parameters<'_>) -> [ColorSource; 2] {
     let mirror = [Spectrum::ZERO, Spectrum::ONE].map(ColorSource::Constant);
     let Some(name) = parameters.optional_string("material") else { return mirror };
@@ -248,8 +249,8 @@ fn named_metal(parameters: &Parameters<'_>) -> [ColorSource; 2] {
     [metal.eta_rgb(), metal.k_rgb()].map(|rgb| ColorSource::Constant(Spectrum::from_rgb(rgb)))
 }
 
-/// The diffuse base under a coat, its reflectance raised by the light that the coat reflects back to
-/// it. `internal_diffuse_reflectance` is the fraction that the coat reflects from inside.
+/// The reflectance of a diffuse base under a coat, including the light that the coat reflects back
+/// to it. `internal_diffuse_reflectance` is the fraction that the coat reflects from inside.
 #[inline]
 pub(crate) fn coated_base(
     base: Spectrum,
@@ -265,9 +266,9 @@ pub(crate) fn coated_base(
 /// Whether scattering inside a coat shifts the colour of its base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ColorShift {
-    /// Light reflected back is coloured at every bounce: darker, more saturated.
+    /// Light reflected back is tinted at every bounce, which makes it darker and more saturated.
     Nonlinear,
-    /// Light reflected back keeps the colour of the base.
+    /// Light reflected back keeps the base's colour.
     None,
 }
 
@@ -281,8 +282,8 @@ impl ColorShift {
     }
 }
 
-/// The probability of sampling the specular lobe of a coated surface whose coat reflects the fraction
-/// `reflected`.
+/// The probability of sampling the specular lobe of a coated surface whose coat reflects the
+/// fraction `reflected`.
 #[inline(always)]
 pub(crate) fn specular_probability<R: Real>(
     specular: SpectrumLanes<R>,
@@ -300,8 +301,8 @@ pub(crate) fn internal_diffuse_reflectance(eta: f32) -> f32 {
     fresnel::diffuse_reflectance(1.0 / eta)
 }
 
-/// The nested materials of a wrapper that takes `allowed` of them; `None` after reporting that there
-/// are more or fewer, or that one of them is invalid.
+/// The nested materials of a wrapper that takes `allowed` of them; `None` after reporting a wrong
+/// count or an invalid material.
 pub(crate) fn nested(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,

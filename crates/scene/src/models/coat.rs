@@ -1,4 +1,4 @@
-//! What a rough clear coat lets through, tabulated once for all materials with the same one.
+//! The transmission of a rough clear coat, tabulated once for all materials with the same coat.
 
 use super::fresnel;
 use super::microfacet::{Distribution, Microfacets};
@@ -11,32 +11,32 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock};
 
-/// Entries over the cosine, from 0 to 1.
+/// Table entries over the cosine, from 0 to 1.
 const ENTRIES: usize = TABLE_ENTRIES;
 
-// They are computed as many at once as the machine has lanes.
+// As many entries are computed at once as there are lanes.
 const _: () = assert!(ENTRIES.is_multiple_of(MAX_LANES));
 
-/// Nodes of the quadrature over the normals, along each of its two variables, from outside.
+/// Quadrature nodes over the normals along each of the two variables, from outside.
 const NODES_OUTSIDE: usize = 32;
 
-/// The same from inside, where total reflection puts a kink into the integrand. With these the
-/// table is right to some 1e-4.
+/// The same from inside, where total internal reflection adds a kink to the integrand. With these
+/// counts the table is accurate to about 1e-4.
 const NODES_INSIDE: usize = 64;
 
-/// A rough interface, the same in all directions along the surface.
+/// An isotropic rough interface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coat {
     /// The distribution of the normals.
     pub(crate) distribution: Distribution,
     /// The roughness.
     pub(crate) alpha: f32,
-    /// The index inside over that outside.
+    /// The index inside over the index outside.
     pub(crate) eta: f32,
 }
 
-/// The tables of a scene: one for all materials with the same coat, which also lets hits on several of
-/// these materials be looked up together.
+/// The tables of a scene. Materials with the same coat share one, so hits on several of these
+/// materials can also be looked up together.
 #[derive(Debug, Default)]
 pub(crate) struct CoatTables(HashMap<(Distribution, [u32; 2]), Arc<CoatTable>>);
 
@@ -51,9 +51,9 @@ impl CoatTables {
 /// The transmission of a rough interface, averaged over all directions on the far side.
 #[derive(Clone, Debug)]
 pub(crate) struct CoatTable {
-    /// The share that enters from outside at the cosine i / 63.
+    /// The fraction that enters from outside at the cosine i / 63.
     entering: [f32; ENTRIES],
-    /// The share of diffuse light that is reflected from inside.
+    /// The fraction of diffuse light that is reflected from inside.
     pub(crate) internal_diffuse_reflectance: f32,
 }
 
@@ -63,16 +63,16 @@ impl CoatTable {
         Self::at_level(Level::new(), coat)
     }
 
-    /// The same numbers whatever the level.
+    /// The result does not depend on the level.
     fn at_level(level: Level, coat: Coat) -> Self {
-        /// From outside and from inside; they took as long as a table.
+        /// From outside and from inside. Cached, because computing them takes as long as a table.
         static POINTS: LazyLock<[Vec<(Vec2, f32)>; 2]> =
             LazyLock::new(|| [NODES_OUTSIDE, NODES_INSIDE].map(quadrature_points));
         let points = POINTS.each_ref().map(Vec::as_slice);
         with_lanes!(level, simd => Self::tabulate(simd, coat, points))
     }
 
-    /// `points` are those of the quadratures from outside and from inside.
+    /// `points` are the quadrature points from outside and from inside.
     #[inline(always)]
     fn tabulate<S: Simd>(simd: S, coat: Coat, points: [&[(Vec2, f32)]; 2]) -> Self {
         let [outside, inside] = points;
@@ -92,17 +92,17 @@ impl CoatTable {
         Self { entering, internal_diffuse_reflectance: mean_over_cosines(&reflected) }
     }
 
-    /// One that lets no light through.
+    /// A coat that transmits no light.
     pub(crate) const BLACK: Self =
         Self { entering: [0.0; ENTRIES], internal_diffuse_reflectance: 0.0 };
 }
 
 /// The tables of as many hits as `R` has lanes.
 pub(crate) trait Coats<R: Real>: Copy {
-    /// The entry of each hit's table with the given index, a whole number from 0 to 63.
+    /// The entry at `index`, an integer from 0 to 63, of each hit's table.
     fn entries(self, index: R) -> R;
 
-    /// The share of light that enters from outside at this cosine, linear between the entries.
+    /// The fraction of light that enters from outside at this cosine, linear between the entries.
     #[inline(always)]
     fn entering(self, cosine: R) -> R {
         let limited = cosine.max(cosine.zero()).min(cosine.like(1.0));
@@ -116,21 +116,21 @@ pub(crate) trait Coats<R: Real>: Copy {
 impl Coats<f32> for &CoatTable {
     #[inline(always)]
     fn entries(self, index: f32) -> f32 {
-        // Never beyond, and known to be so.
+        // The remainder changes nothing; it removes the bounds check.
         self.entering[index as usize % ENTRIES]
     }
 }
 
-/// The table of each lane.
+/// One table per lane.
 #[derive(Clone, Copy)]
 pub(crate) struct CoatLanes<'a, S> {
-    /// The instructions of the lanes.
+    /// The SIMD instructions of the lanes.
     pub(crate) simd: S,
-    /// The table of all lanes, where they share one.
+    /// The table of all lanes, if they share one.
     pub(crate) shared: Option<&'a CoatTable>,
-    /// The tables of all lanes that there may be.
+    /// The tables of all lanes of a batch.
     pub(crate) tables: &'a [&'a CoatTable; MAX_LANES],
-    /// The place of the first lane among them.
+    /// The index of the first lane in `tables`.
     pub(crate) first: usize,
 }
 
@@ -150,12 +150,12 @@ impl<S: Simd> Coats<Lanes<S>> for CoatLanes<'_, S> {
     }
 }
 
-/// The cosine of an entry. Exactly along the surface there would be nothing to see.
+/// The cosine of an entry. At exactly grazing incidence nothing is visible.
 fn cosine(index: usize) -> f32 {
     (index as f32 / (ENTRIES - 1) as f32).max(1e-6)
 }
 
-/// A function of each entry's cosine.
+/// Evaluates a function at each entry's cosine.
 #[inline(always)]
 fn entries<S: Simd>(simd: S, function: impl Fn(Lanes<S>) -> Lanes<S>) -> [f32; ENTRIES] {
     let mut table = [0.0; ENTRIES];
@@ -170,9 +170,9 @@ fn entries<S: Simd>(simd: S, function: impl Fn(Lanes<S>) -> Lanes<S>) -> [f32; E
     table
 }
 
-/// The share of diffuse light that comes back from inside: 2 ∫ R(μ) μ dμ, as Mitsuba sums it.
-/// The mean of the entries is not the trapezoidal rule through them, which would be about 2 %
-/// higher; it is kept, as all its pictures hold it.
+/// The fraction of diffuse light that is reflected from inside: 2 ∫ R(μ) μ dμ, summed as Mitsuba
+/// does. The mean of the entries is not the trapezoidal rule, which would be about 2 % higher. It
+/// is kept because all of Mitsuba's images use it.
 fn mean_over_cosines(reflected: &[f32; ENTRIES]) -> f32 {
     let at = |(index, share)| cosine(index) * share;
     2.0 * reflected.iter().enumerate().map(at).sum::<f32>() / ENTRIES as f32
@@ -183,7 +183,7 @@ struct Quadrature<'a, R> {
     microfacets: Microfacets<R>,
     /// The index on the far side over that on the near side.
     eta: R,
-    /// Uniform numbers with their weights, which sum to one.
+    /// Uniform numbers and their weights, which sum to one.
     points: &'a [(Vec2, f32)],
 }
 
@@ -193,7 +193,7 @@ impl<R: Real> Quadrature<'_, R> {
         let sine = (-(cosine * cosine) + 1.0).safe_sqrt();
         let wi = Vector3::new(sine, cosine.zero(), cosine);
         let mut sum = cosine.zero();
-        // Not by an iterator's sum: that is not always inlined, and would lose the instructions.
+        // No iterator sum: it is not always inlined, and then loses the SIMD instructions.
         for &(uniform, weight) in self.points {
             let uniform = Vector2::new(cosine.like(uniform.x), cosine.like(uniform.y));
             sum = sum + integrand(wi, self.microfacets.sample(wi, uniform)) * weight;
@@ -201,7 +201,7 @@ impl<R: Real> Quadrature<'_, R> {
         sum
     }
 
-    /// The share of light that a second masking does not stop on its way down.
+    /// The fraction of light that the second masking term passes on the way down.
     #[inline(always)]
     fn transmitted(&self, cosine: R) -> R {
         self.integrate(
@@ -216,7 +216,7 @@ impl<R: Real> Quadrature<'_, R> {
         )
     }
 
-    /// The same on its way back up.
+    /// The same on the way back up.
     #[inline(always)]
     fn reflected(&self, cosine: R) -> R {
         self.integrate(
@@ -236,8 +236,8 @@ impl<R: Real> Quadrature<'_, R> {
     }
 }
 
-/// The product of two Gauss–Legendre rules. The second number chooses the side of the plane of
-/// incidence, to which everything is symmetric: one half of its range does.
+/// The product of two Gauss–Legendre rules. The second number selects the side of the plane of
+/// incidence. The integrand is symmetric about that plane, so half of its range suffices.
 fn quadrature_points(nodes: usize) -> Vec<(Vec2, f32)> {
     let (rule, half) = (gauss_legendre(nodes), gauss_legendre(nodes / 2));
     let product = rule.iter().flat_map(|&x| half.iter().map(move |&y| (x, y)));
@@ -255,7 +255,7 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let node = |index: usize| {
         let mut x = (PI * (index as f64 + 0.75) / (order + 0.5)).cos();
         let mut slope = 1.0;
-        // Four steps reach the last digit from this guess; the other is for safety.
+        // Four steps converge from this guess; the fifth is a safety margin.
         for _ in 0..5 {
             let (value, derivative) = legendre(count, x);
             slope = derivative;
@@ -285,7 +285,7 @@ mod tests {
         CoatTable::new(Coat { distribution, alpha, eta })
     }
 
-    /// As the tables do it, with other numbers of nodes and for one cosine after another.
+    /// The computation of the tables, with other numbers of nodes and one cosine at a time.
     fn quadrature(
         distribution: Distribution,
         eta: f32,
@@ -353,7 +353,7 @@ mod tests {
                 let expected = 1.0 - fresnel::dielectric(cosine, eta).reflectance;
                 assert!((table.entering(cosine) - expected).abs() < 1e-3, "{distribution:?}");
             }
-            // The mean over 64 entries in the place of the integral: 63 intervals.
+            // The mean over 64 entries approximates the integral over 63 intervals.
             let expected = fresnel::diffuse_reflectance(1.0 / eta) * 63.0 / 64.0;
             assert!(
                 (table.internal_diffuse_reflectance - expected).abs() < 2e-3,

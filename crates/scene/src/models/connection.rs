@@ -1,17 +1,17 @@
-//! From a point of the scene to the film, for tracing particles.
+//! Connections from scene points to the film, for particle tracing.
 
 use glam::{Vec2, Vec3};
 
-/// How a point of the scene shows on the film.
+/// How a scene point projects onto the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Connection {
-    /// The place on the whole film, which is [0, 1)²; it may lie beyond.
+    /// The position on the whole film, which is [0, 1)²; it may lie outside.
     pub film_position: Vec2,
-    /// The unit world direction from the point towards the sensor.
+    /// The unit world direction from the point to the sensor.
     pub direction: Vec3,
-    /// How far the sensor sees from its near plane to the point, in world units.
+    /// The visible distance from the sensor's near plane to the point, in world units.
     pub distance: f32,
-    /// What one unit of power per solid angle that leaves the point towards the sensor (of power per
-    /// area and solid angle, where rays are parallel) adds to the mean radiance of the film.
+    /// What one unit of power per solid angle that leaves the point towards the sensor adds to the
+    /// mean radiance of the film. For parallel rays, the unit is power per area and solid angle.
     pub importance: f32,
 }

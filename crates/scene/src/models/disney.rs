@@ -1,4 +1,4 @@
-//! What `principled` and `principledthin` share: the lobes and terms of Disney's model.
+//! The lobes and terms of Disney's model, shared by `principled` and `principledthin`.
 //!
 //! Burley, "Physically Based Shading at Disney", SIGGRAPH 2012 courses, and "Extending the Disney
 //! BRDF to a BSDF with Integrated Subsurface Scattering", SIGGRAPH 2015 courses.
@@ -53,7 +53,7 @@ pub(crate) const FLATNESS: ParameterManual = parameter(
     "From the diffuse lobe (0) to an imitation of subsurface scattering (1), which is flatter.",
 );
 
-/// The strength of a lobe that is added to the others: 0 to 1 by the model, but more only scales.
+/// The strength of an additional lobe. The model's range is 0 to 1; larger values only scale it.
 pub(crate) fn strength(
     builder: &mut Builder<'_>,
     parameters: &Parameters<'_>,
@@ -62,7 +62,7 @@ pub(crate) fn strength(
     scalar_within(builder, parameters, name, 0.0, 0.0..=1e4)
 }
 
-/// How often a lobe is sampled, relative to the others.
+/// The relative sampling rate of a lobe.
 pub(crate) fn sampling_rate(parameters: &Parameters<'_>, name: &str) -> f32 {
     parameters.float_in(name, 1.0, 0.0..=1e6) as f32
 }
@@ -82,7 +82,7 @@ pub(crate) struct BaseParameters {
 }
 
 impl BaseParameters {
-    /// Reads them, but for `metallic`, which sheets do not have.
+    /// Reads the parameters, except `metallic`, which thin sheets do not have.
     pub(crate) fn read(
         builder: &mut Builder<'_>,
         parameters: &Parameters<'_>,
@@ -101,7 +101,7 @@ impl BaseParameters {
         }
     }
 
-    /// Whether any light may pass the surface without being scattered below it.
+    /// Whether light may pass through the surface without scattering below it.
     pub(crate) fn transmits(&self) -> bool {
         !matches!(self.spec_trans, ScalarSource::Constant(0.0))
     }
@@ -123,7 +123,7 @@ impl BaseParameters {
     }
 }
 
-/// A parameter from 0 to 1 at a hit; what a texture holds beyond is limited.
+/// A parameter at a hit. Texture values are clamped to 0 to 1.
 #[inline]
 pub(crate) fn share_at(
     source: &ScalarSource,
@@ -133,8 +133,8 @@ pub(crate) fn share_at(
     limited(source.eval(textures, surface), 0.0, 1.0)
 }
 
-/// The resolved parameters that both materials have. All closures take as much room as the largest,
-/// so this is made to fill its 48 bytes, and what does not vary is left out.
+/// The resolved parameters that both materials share. Every closure takes as much space as the
+/// largest one. This struct is limited to 48 bytes, so it omits what does not vary.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Base {
     pub(crate) color: Spectrum,
@@ -145,7 +145,7 @@ pub(crate) struct Base {
     sheen_tint: f32,
     flatness: f32,
     pub(crate) spec_trans: f32,
-    /// Zero for sheets.
+    /// Zero for thin sheets.
     pub(crate) metallic: f32,
 }
 
@@ -159,15 +159,15 @@ impl Base {
         Microfacets::new(Distribution::Ggx, NormalSampling::Visible, alpha)
     }
 
-    /// The hue of the base colour, at luminance one; white where it is black.
+    /// The hue of the base colour, at luminance one; white if the base colour is black.
     #[inline]
     pub(crate) fn hue(&self) -> Spectrum {
         let luminance = self.color.luminance();
         if luminance > 0.0 { self.color / luminance } else { Spectrum::ONE }
     }
 
-    /// The diffuse lobe with retro-reflection, or what imitates subsurface scattering, times the
-    /// cosine. `cos_d` is between either direction and the half vector.
+    /// The diffuse lobe with retro-reflection, or the approximation of subsurface scattering, times
+    /// the cosine. `cos_d` is between either direction and the half vector.
     ///
     /// Burley 2015, section 2 (diffuse and retro-reflection); Burley 2012, section 5.3 (flatness,
     /// after Hanrahan and Krueger).
@@ -187,7 +187,7 @@ impl Base {
         self.color * (shape * cos_o * FRAC_1_PI)
     }
 
-    /// The glow at grazing angles, times the cosine.
+    /// The sheen at grazing angles, times the cosine.
     #[inline]
     pub(crate) fn sheen(&self, cos_o: f32, cos_d: f32) -> Spectrum {
         if self.sheen == 0.0 {
@@ -205,8 +205,9 @@ pub(crate) fn schlick_weight(cosine: f32) -> f32 {
     (m * m) * (m * m) * m
 }
 
-/// Schlick's approximation at the cosine `cosine` ≥ 0 on the side from which the relative index is
-/// `eta`. Below 1 the refracted angle counts, so that it is continuous up to total reflection.
+/// Schlick's approximation at the cosine `cosine` ≥ 0 on the side with relative index `eta`. If
+/// `eta` is below 1, it uses the refracted angle, which keeps it continuous up to total internal
+/// reflection.
 #[inline]
 pub(crate) fn schlick(normal: Spectrum, cosine: f32, eta: f32) -> Spectrum {
     let cosine = if eta > 1.0 {
@@ -232,7 +233,7 @@ pub(crate) struct CoatNormals {
     alpha: f32,
 }
 
-/// The roughness in the coat's masking, whatever its gloss.
+/// The roughness in the clear coat's masking term, independent of its gloss.
 const COAT_MASKING_ALPHA: f32 = 0.25;
 
 impl CoatNormals {
@@ -246,12 +247,12 @@ impl CoatNormals {
     #[inline]
     pub(crate) fn density(self, m: Vec3) -> f32 {
         let alpha2 = self.alpha * self.alpha;
-        // 1 + (α² − 1) cos²θ, which would lose digits near the normal.
+        // 1 + (α² − 1) cos²θ without the cancellation near the normal.
         let spread = m.truncate().length_squared() + alpha2 * m.z * m.z;
         (alpha2 - 1.0) / (PI * alpha2.ln() * spread)
     }
 
-    /// A normal with the density D(m) cos θ.
+    /// Samples a normal with the density D(m) cos θ.
     #[inline]
     pub(crate) fn sample(self, uniform: Vec2) -> Vec3 {
         let alpha2 = self.alpha * self.alpha;
@@ -260,7 +261,7 @@ impl CoatNormals {
         (Vec2::from_angle(TAU * uniform.x) * sin2.sqrt()).extend((1.0 - sin2).sqrt())
     }
 
-    /// Smith's masking for both directions, which are above the surface and their half vector.
+    /// Smith's masking for both directions. They and their half vector are above the surface.
     #[inline]
     pub(crate) fn masking(wi: Vec3, wo: Vec3) -> f32 {
         let one = |v: Vec3| {

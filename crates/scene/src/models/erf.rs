@@ -4,8 +4,8 @@ use etendue_math::lanes::{Mask as _, Real};
 
 /// 2/√π ∫₀ˣ exp(−t²) dt, where `exp_minus_square` is exp(−x²); absolute error below 3e-7.
 ///
-/// Abramowitz and Stegun, *Handbook of Mathematical Functions*, 7.1.26. Callers have the
-/// exponential at hand, which is most of the work.
+/// Abramowitz and Stegun, *Handbook of Mathematical Functions*, 7.1.26. Callers already have the
+/// exponential, which is most of the work.
 #[inline(always)]
 pub(crate) fn erf_given_exponential<R: Real>(x: R, exp_minus_square: R) -> R {
     const COEFFICIENTS: [f32; 5] =
@@ -15,12 +15,12 @@ pub(crate) fn erf_given_exponential<R: Real>(x: R, exp_minus_square: R) -> R {
     (-polynomial * exp_minus_square + 1.0).copysign(x)
 }
 
-/// The inverse of [`erf_given_exponential`]; finite for every number.
+/// The inverse of [`erf_given_exponential`]; finite for every input.
 ///
 /// Giles, "Approximating the erfinv Function", *GPU Computing Gems Jade Edition*, 2011, chapter 10.
 #[inline(always)]
 pub(crate) fn erf_inverse<R: Real>(y: R) -> R {
-    // The last numbers below one, where the logarithm would be infinite.
+    // Excludes the numbers just below one, at which the logarithm would be infinite.
     let y = y.min(y.like(0.999_999_94)).max(y.like(-0.999_999_94));
     let w = -((-y + 1.0) * (y + 1.0)).ln();
     let is_central = w.below(5.0);
@@ -30,7 +30,7 @@ pub(crate) fn erf_inverse<R: Real>(y: R) -> R {
     R::select(is_central, central(w), tail(w)) * y
 }
 
-/// The inverse over y where w, −ln (1 − y²), is below five.
+/// The inverse divided by y, for w = −ln (1 − y²) below five.
 #[inline(always)]
 fn central<R: Real>(w: R) -> R {
     (w - 2.5).polynomial(&[
@@ -46,7 +46,7 @@ fn central<R: Real>(w: R) -> R {
     ])
 }
 
-/// The inverse over y elsewhere.
+/// The inverse divided by y, for larger w.
 #[inline(always)]
 fn tail<R: Real>(w: R) -> R {
     (w.sqrt() - 3.0).polynomial(&[

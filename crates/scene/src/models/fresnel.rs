@@ -1,4 +1,4 @@
-//! Fresnel's equations for dielectrics and conductors, and the directions that go with them.
+//! Fresnel's equations for dielectrics and conductors, and the reflected and refracted directions.
 
 use etendue_math::lanes::{Real, Vector3};
 use etendue_spectrum::SpectrumLanes;
@@ -7,19 +7,19 @@ use glam::Vec3;
 /// What happens to light at a smooth interface between two dielectrics.
 #[derive(Clone, Copy, Debug)]
 pub struct Interface<R = f32> {
-    /// The share of unpolarised light that is reflected.
+    /// The fraction of unpolarised light that is reflected.
     pub reflectance: R,
-    /// The cosine of the refracted direction; its sign is opposite to that of the incident one,
-    /// and it is zero under total reflection.
+    /// The cosine of the refracted direction. Its sign is opposite to that of the incident one; it
+    /// is zero under total internal reflection.
     pub cos_theta_t: R,
-    /// The index on the far side over that on the side of the incident direction.
+    /// The index on the far side over the index on the side of the incident direction.
     pub eta_it: R,
     /// The inverse of [`eta_it`](Self::eta_it).
     pub eta_ti: R,
 }
 
-/// Light that meets the interface at the signed cosine `cos_theta_i`. `eta` is the index on the
-/// negative side over that on the positive one.
+/// Light that hits the interface at the signed cosine `cos_theta_i`. `eta` is the index on the
+/// negative side over the index on the positive side.
 ///
 /// Born and Wolf, *Principles of Optics*, section 1.5.2.
 #[inline(always)]
@@ -29,24 +29,25 @@ pub fn dielectric<R: Real>(cos_theta_i: R, eta: R) -> Interface<R> {
     let outside = cos_theta_i.ge(zero);
     let inverse = one / eta;
     let (eta_it, eta_ti) = (R::select(outside, eta, inverse), R::select(outside, inverse, eta));
-    // Snell's law for the squared cosine; negative under total reflection.
+    // Snell's law for the squared cosine; negative under total internal reflection.
     let sin_theta_i_squared = one - cos_theta_i * cos_theta_i;
     let cos_theta_t_squared = one - sin_theta_i_squared * (eta_ti * eta_ti);
     let cos_i = cos_theta_i.abs();
     let cos_t = cos_theta_t_squared.safe_sqrt();
     let perpendicular = (cos_i - eta_it * cos_t) / (cos_i + eta_it * cos_t);
     let parallel = (cos_t - eta_it * cos_i) / (cos_t + eta_it * cos_i);
-    // Rounding may carry the mean of two ones past one.
+    // Rounding may push the mean of two ones above one.
     let mean = ((perpendicular * perpendicular + parallel * parallel) * 0.5).min(one);
     let reflectance = R::select(cos_i.equals(zero), one, mean);
     let reflectance = R::select(eta.equals(one), zero, reflectance);
     Interface { reflectance, cos_theta_t: R::select(outside, -cos_t, cos_t), eta_it, eta_ti }
 }
 
-/// The share of unpolarised light that a conductor of index `eta` + i·`k` reflects at the cosine
+/// The fraction of unpolarised light that a conductor of index `eta` + i·`k` reflects at the cosine
 /// `cos_theta_i` in [0, 1].
 ///
-/// Lazányi and Szirmay-Kalos, "Fresnel Term Approximations for Metals", WSCG 2005, equations 2 and 3.
+/// Lazányi and Szirmay-Kalos, "Fresnel Term Approximations for Metals", WSCG 2005, equations 2 and
+/// 3.
 #[inline(always)]
 #[must_use]
 pub fn conductor<R: Real>(
@@ -58,7 +59,7 @@ pub fn conductor<R: Real>(
     let sin2 = -cos2 + 1.0;
     let (eta2, k2) = (eta * eta, k * k);
     let difference = eta2 - k2 - SpectrumLanes::grey(sin2);
-    // a² + b² of the book's complex root a + i·b, and a itself.
+    // a² + b² of the paper's complex root a + i·b, and a itself.
     let modulus = (difference * difference + eta2 * k2 * cos2.like(4.0)).sqrt();
     let half = cos2.like(0.5);
     let real = ((modulus + difference) * half).clamp(0.0, f32::INFINITY).sqrt();
@@ -71,12 +72,12 @@ pub fn conductor<R: Real>(
     ((perpendicular + parallel) * half).clamp(0.0, 1.0)
 }
 
-/// The share of perfectly diffuse light that a smooth interface reflects, where it comes from the
-/// side of lower index if `eta` > 1: 2 ∫ F(μ) μ dμ.
+/// The fraction of perfectly diffuse light that a smooth interface reflects: 2 ∫ F(μ) μ dμ. If
+/// `eta` > 1, the light comes from the side of lower index.
 ///
 /// The closed form of Walsh ("The Reflection Factor of a Polished Glass Surface for Diffused
-/// Light", 1926) as Dunkle gives it; seen from inside, the diffuse light that leaves is
-/// (1 − F) / η² of what would enter (the étendue is the same both ways).
+/// Light", 1926) as given by Dunkle. From inside, 1 − F is that from outside divided by η², because
+/// étendue is the same in both directions.
 #[must_use]
 pub fn diffuse_reflectance(eta: f32) -> f32 {
     let eta = f64::from(eta);
@@ -87,7 +88,8 @@ pub fn diffuse_reflectance(eta: f32) -> f32 {
 }
 
 fn walsh(n: f64) -> f64 {
-    // Below this the terms, which grow as 1 / (n − 1), cancel to noise; the sum is below 3e-6.
+    // Closer to one, the terms, which grow as 1 / (n − 1), cancel to noise. The result is then
+    // below 3e-6.
     if n < 1.0 + 1e-5 {
         return 0.0;
     }
@@ -112,7 +114,7 @@ pub fn reflect_lanes<R: Real>(wi: Vector3<R>, m: Vector3<R>) -> Vector3<R> {
     m * (wi.dot(m) * 2.0) - wi
 }
 
-/// The mirror image of `wi` about the surface's normal.
+/// The mirror image of `wi` about the surface normal.
 #[inline(always)]
 pub(crate) fn mirror<R: Real>(wi: Vector3<R>) -> Vector3<R> {
     Vector3::new(-wi.x, -wi.y, wi.z)
@@ -134,7 +136,7 @@ pub fn refract_lanes<R: Real>(
     interface: &Interface<R>,
 ) -> Vector3<R> {
     let along = wi.dot(m) * interface.eta_ti + interface.cos_theta_t;
-    // Rounding errors of `wi` come out multiplied by the index.
+    // Refraction scales the rounding errors of `wi` by the index.
     (m * along - wi * interface.eta_ti).normalize()
 }
 
@@ -164,7 +166,7 @@ mod tests {
     #[test]
     fn brewster_grazing_and_total_reflection() {
         let eta = 1.5_f32;
-        // At Brewster's angle only the perpendicular part is reflected.
+        // At Brewster's angle only perpendicularly polarised light is reflected.
         let brewster = dielectric(1.0 / (1.0 + eta * eta).sqrt(), eta).reflectance;
         let perpendicular = (1.0 - eta * eta) / (1.0 + eta * eta);
         assert!((brewster - 0.5 * perpendicular * perpendicular).abs() < 1e-6);
@@ -203,7 +205,7 @@ mod tests {
     #[test]
     fn the_closed_form_is_the_integral() {
         for eta in [1.001_f32, 1.1, 1.33, 1.489_587_4, 1.9, 2.5, 10.0] {
-            // The square of the sine as the variable keeps the root at the critical angle tame.
+            // Integrating over x instead of the cosine removes the square-root singularity.
             let integral = |eta: f32, low: f64, high: f64| {
                 let integrand = |x: f64| {
                     let cosine = low + (high - low) * x * x;

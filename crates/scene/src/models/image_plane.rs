@@ -1,28 +1,28 @@
-//! The image in front of a pinhole, in world space.
+//! The image plane in front of a pinhole, in world space.
 
 use super::connection::Connection;
 use etendue_math::Transform;
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Mat3, Vec2, Vec3};
 
-/// What all sensors have.
+/// The parameters shared by all sensors.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorCommon {
     /// Camera to world.
     pub to_world: Transform,
-    /// Where rays start, along the camera's z axis.
+    /// The distance along the camera's z axis at which rays start.
     pub near_clip: f32,
-    /// Where rays end, along the camera's z axis.
+    /// The distance along the camera's z axis at which rays end.
     pub far_clip: f32,
     /// When the shutter opens.
     pub shutter_open: f32,
-    /// When the shutter closes, not before it opens. Motion is not supported.
+    /// When the shutter closes; not before it opens. Motion is not supported.
     pub shutter_close: f32,
 }
 
 impl SensorCommon {
-    /// The connection of a point with an origin on the lens, given the point's distance along the view in
-    /// camera space, and what [`pinhole`](super::connection::pinhole) says.
+    /// The connection of a point with an origin on the lens, from the point's distance along the
+    /// view in camera space and the result of [`pinhole`](super::connection::pinhole).
     pub(crate) fn connection(
         &self,
         point: Vec3,
@@ -48,23 +48,24 @@ impl SensorCommon {
     }
 }
 
-/// How a pinhole camera sees: what the film covers at distance one.
+/// The view of a pinhole camera, given by the film's extent at distance one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
-    /// Half the width and half the height of what the film covers at distance one.
+    /// Half the width and half the height of the film at distance one.
     pub(crate) half_size: DVec2,
-    /// By how much of the film's size the view is moved: positive values show what lies further
-    /// right and further down.
+    /// The shift of the view as a fraction of the film's size. Positive values move the view right
+    /// and down.
     pub(crate) shift: DVec2,
 }
 
 impl View {
-    /// The film position of a point, and the importance of a path to it: the reverse of a camera ray.
-    /// `path` leads from the lens to the point in camera space, `focus` to its image at distance one.
+    /// The film position of a point, and the importance of a path to it: the inverse of generating
+    /// a camera ray. `path` leads from the lens to the point in camera space, `focus` to its image
+    /// at distance one.
     ///
-    /// The film's unit square covers A = 4·halfwidth·halfheight at distance one. A solid angle dω at an
-    /// angle θ from the axis covers dω / (A cos³θ) of it. A power I per solid angle at a distance r adds a
-    /// radiance of I/r² over that part.
+    /// The film's unit square covers A = 4·halfwidth·halfheight at distance one. A solid angle dω
+    /// at an angle θ from the axis covers the fraction dω / (A cos³θ) of it. A power I per solid
+    /// angle at a distance r adds a radiance of I/r² over that fraction.
     pub(crate) fn film_point(&self, path: Vec3, focus: Vec2) -> Option<(Vec2, f32)> {
         let half_size = self.half_size.as_vec2();
         let place = (Vec2::ONE - focus / half_size) * 0.5 - self.shift.as_vec2();
@@ -73,13 +74,13 @@ impl View {
         (path.z > 0.0).then(|| (place, 1.0 / (area * cosine.powi(3))))
     }
 
-    /// The camera-space direction of a film position, at z = 1.
+    /// The camera-space direction to a film position, at z = 1.
     fn direction(&self, film_position: DVec2) -> DVec3 {
         (self.half_size * (1.0 - 2.0 * (film_position + self.shift))).extend(1.0)
     }
 
-    /// Camera space to the film: after division by w, x and y are the film position, and z is 0 at
-    /// the near and 1 at the far plane.
+    /// The projection from camera space to the film. After division by w, x and y are the film
+    /// position, and z is 0 at the near plane and 1 at the far plane.
     pub(crate) fn projection(&self, common: &SensorCommon) -> DMat4 {
         let (near, far) = (f64::from(common.near_clip), f64::from(common.far_clip));
         let scale = -0.5 / self.half_size;
@@ -93,14 +94,15 @@ impl View {
     }
 }
 
-/// A [`View`] in world space. Vectors are divided by the scale of the camera's z axis, so that they
-/// stay in range whatever it is; `near` and `length` make up for it.
+/// A [`View`] in world space. Vectors are divided by the scale of the camera's z axis, which keeps
+/// them in range for any scale; `near` and `length` compensate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImagePlane {
     corner: Vec3,
     across: Vec3,
     down: Vec3,
-    /// The near plane and the distance to the far plane, in world units along the view.
+    /// The distance to the near plane and the distance from it to the far plane, in world units
+    /// along the view.
     pub(crate) near: f32,
     pub(crate) length: f32,
 }
@@ -120,7 +122,7 @@ impl ImagePlane {
         }
     }
 
-    /// The world direction of a film position, of length one along the view.
+    /// The world direction to a film position, with unit length along the view.
     #[inline]
     pub(crate) fn direction(&self, film_position: Vec2) -> Vec3 {
         self.direction_lanes::<f32>(film_position.into()).into()

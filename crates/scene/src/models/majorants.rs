@@ -1,77 +1,78 @@
-//! Bounds of a medium's extinction along a ray, and collisions drawn against them.
+//! Majorants of a medium's extinction along a ray, and tentative collisions sampled from them.
 //!
-//! Delta tracking (Woodcock et al., 1965) fills a medium up with imaginary matter, so that it is as
-//! dense as a bound σ̄: collisions then follow an exponential law, and one at x is real with
-//! probability σt(x) / σ̄. Grids have a bound for every block of cells, so that rays pass empty space
+//! Delta tracking (Woodcock et al., 1965) adds fictitious matter to a medium until its density
+//! reaches a bound σ̄. Distances to collisions are then exponential, and a collision at x is real
+//! with probability σt(x) / σ̄. Grids have one bound per block of cells, so rays cross empty space
 //! without collisions (Yue et al., "Unbiased, adaptive stochastic sampling for rendering
-//! inhomogeneous participating media", 2010): `scenes/smoke` renders six times as fast as with one
-//! bound for all.
+//! inhomogeneous participating media", 2010). With it, `scenes/smoke` renders six times as fast as
+//! with a single bound.
 
 use crate::volume::Volume;
 use crate::volume::gridvolume::GridVolume;
 use etendue_math::{Bounds3, Ray, next_up};
 use glam::{Affine3A, IVec3, Vec3, Vec3A};
 
-/// Bounds of the extinction in a box.
+/// Upper bounds of the extinction in a box.
 #[derive(Clone, Debug)]
 pub(crate) struct Majorants {
     bounds: Bounds3,
-    /// No channel is above it anywhere.
+    /// An upper bound of every channel everywhere.
     greatest: f32,
     blocks: Option<Blocks>,
 }
 
-/// Bounds for blocks of a grid's cells.
+/// One bound per block of grid cells.
 #[derive(Clone, Debug)]
 struct Blocks {
-    /// World to coordinates that count blocks. Beyond the grid its outermost blocks go on for ever,
-    /// as the values at its faces do.
+    /// World to block coordinates. The outermost blocks extend to infinity, like the values at the
+    /// grid's faces.
     to_blocks: Affine3A,
     size: IVec3,
     values: Vec<f32>,
 }
 
-/// A place where a ray meets the filled-up medium.
+/// A tentative collision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collision {
-    /// How far along the ray, whose direction is unit.
+    /// The distance along the ray, whose direction is unit.
     pub t: f32,
-    /// The bound σ̄ of the extinction there, per unit of length.
+    /// The majorant σ̄ there, per unit of length.
     pub majorant: f32,
 }
 
-/// Finds one collision after another along a ray.
+/// Finds successive collisions along a ray.
 #[derive(Clone, Debug)]
 pub struct Tracker<'a> {
-    /// Where the ray enters the medium. The distances below count from there, so that their
-    /// rounding does not depend on where the ray comes from.
+    /// Where the ray enters the medium. The distances below start there, so their rounding does not
+    /// depend on the ray's origin.
     start: f32,
-    /// Where the medium ends.
+    /// The distance at which the medium ends.
     end: f32,
-    /// Where the search goes on.
+    /// The distance at which the search continues.
     t: f32,
-    /// The bound up to the end of the block.
+    /// The majorant up to the end of the block.
     majorant: f32,
-    /// Where the block ends on each axis, and how long blocks are.
+    /// The distance to the block's end on each axis, and the length of a block.
     next: Vec3,
     length: Vec3,
     block: IVec3,
     step: IVec3,
     blocks: Option<&'a Blocks>,
-    /// Collisions that there may still be.
+    /// The number of collisions left.
     left: u32,
 }
 
-/// Collisions along one ray. A majorant far beyond all that is met, as a file with one absurd value
-/// has, would ask for as many as there are numbers: such a medium counts as empty after these, so that
-/// every ray comes to its end. Within them, a hundred thousand mean free paths are no trouble.
+/// The limit of collisions along one ray. A majorant far above all real values, as in a file with
+/// one absurd value, would make the walk almost endless. Beyond this limit the rest of the medium
+/// counts as empty, so that every ray terminates. The limit still allows a hundred thousand mean
+/// free paths.
 const MOST_COLLISIONS: u32 = 1 << 20;
 
-/// Cells of a grid that share a bound, along each axis; more in large grids.
+/// Grid cells per bound along each axis; more in large grids.
 const BLOCK: i32 = 4;
-/// The most blocks along an axis.
+/// The maximum number of blocks along an axis.
 const MOST_BLOCKS: i32 = 64;
-/// Rays that would pass more blocks than this, because a grid is squeezed flat, use one bound.
+/// A ray that would cross more blocks than this, in a grid that is squeezed flat, uses one bound.
 const MOST_STEPS: f32 = 4096.0;
 
 impl Majorants {
@@ -93,7 +94,7 @@ impl Majorants {
         self.blocks.as_ref().map_or(0, |blocks| std::mem::size_of_val(blocks.values.as_slice()))
     }
 
-    /// Follows a ray of unit direction.
+    /// Follows a ray with unit direction.
     #[inline]
     pub(crate) fn track(&self, ray: &Ray) -> Tracker<'_> {
         let (start, end) = crossing(&self.bounds, ray);
@@ -118,17 +119,17 @@ impl Majorants {
     }
 }
 
-/// Where a ray enters and leaves a box; the end is not after the start where it misses.
+/// Where a ray enters and leaves a box. The end does not exceed the start if the ray misses.
 #[inline]
 fn crossing(bounds: &Bounds3, ray: &Ray) -> (f32, f32) {
     let inverse = ray.direction.recip();
     let low = (bounds.min - ray.origin) * inverse;
     let high = (bounds.max - ray.origin) * inverse;
-    // A ray within a face gives NaN on that axis, which `min` and `max` pass over.
+    // A ray in the plane of a face gives NaN on that axis, which `min` and `max` ignore.
     let (near, far) = (low.min(high), low.max(high));
     let start = near.to_array().into_iter().fold(0.0, f32::max);
     let end = far.to_array().into_iter().fold(ray.t_max, f32::min);
-    // Without an end, the ray is no ray, and would never leave.
+    // A ray whose exit is infinite is invalid and would never terminate.
     (start, if end.is_finite() { end } else { start })
 }
 
@@ -144,7 +145,7 @@ impl Blocks {
                 for x in 0..cells.x {
                     let cell = IVec3::new(x, y, z);
                     let greatest = grid.cell(cell).iter().copied().fold(0.0, f32::max) * scale;
-                    // A cell counts up to the middles of its neighbours, and a rounding further.
+                    // A cell's value reaches to the centres of its neighbours, plus rounding.
                     let reach = |offset: f32| {
                         let place = ((cell.as_vec3() + offset) * ratio).floor().as_ivec3();
                         place.clamp(IVec3::ZERO, size - 1)
@@ -170,7 +171,7 @@ impl Blocks {
     }
 }
 
-/// The position of a block that lies in the grid.
+/// The index of a block inside the grid.
 #[inline]
 fn index(block: IVec3, size: IVec3) -> usize {
     let [x, y, z] = block.to_array().map(|coordinate| coordinate as usize);
@@ -178,14 +179,14 @@ fn index(block: IVec3, size: IVec3) -> usize {
 }
 
 impl<'a> Tracker<'a> {
-    /// Goes by blocks from `point` on (Amanatides and Woo, "A fast voxel traversal algorithm for ray
-    /// tracing", Eurographics 1987).
+    /// Starts walking the blocks at `point` (Amanatides and Woo, "A fast voxel traversal algorithm
+    /// for ray tracing", Eurographics 1987).
     #[inline]
     fn enter(&mut self, blocks: &'a Blocks, point: Vec3, direction: Vec3) {
         let place = Vec3::from(blocks.to_blocks.transform_point3a(Vec3A::from(point)));
         let speed = Vec3::from(blocks.to_blocks.transform_vector3a(Vec3A::from(direction)));
         let steps = speed.abs().element_sum() * self.end;
-        // This way round, what is not a number uses one bound, too.
+        // Written this way, NaN also falls back to one bound.
         if !(steps < MOST_STEPS && place.abs().max_element() < MOST_STEPS * MOST_STEPS) {
             return;
         }
@@ -201,8 +202,9 @@ impl<'a> Tracker<'a> {
         self.blocks = Some(blocks);
     }
 
-    /// The next collision, `optical_depth` after the last one, which is to be drawn from the
-    /// exponential distribution of rate one; `None` where the ray leaves the medium or ends before.
+    /// The next collision, `optical_depth` after the last one; `None` if the ray leaves the medium
+    /// or ends first. The caller samples `optical_depth` from the exponential distribution of rate
+    /// one.
     #[inline]
     pub fn advance(&mut self, optical_depth: f32) -> Option<Collision> {
         let mut rest = optical_depth;
@@ -212,7 +214,7 @@ impl<'a> Tracker<'a> {
             if rest < depth {
                 self.left = self.left.checked_sub(1)?;
                 let t = self.t + rest / self.majorant;
-                // A step too short for single precision still leads on.
+                // Advance even if the step is too short for single precision.
                 self.t = if t > self.t { t } else { next_up(self.t) };
                 return Some(Collision { t: self.start + self.t, majorant: self.majorant });
             }
@@ -223,7 +225,7 @@ impl<'a> Tracker<'a> {
         None
     }
 
-    /// Goes on to the next block.
+    /// Moves to the next block.
     #[inline]
     fn leave_block(&mut self) {
         let Some(blocks) = self.blocks else { return };

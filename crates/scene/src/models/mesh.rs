@@ -1,4 +1,4 @@
-//! Triangle meshes: what `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface` become.
+//! Triangle meshes, the result of `obj`, `ply`, `serialized`, `rectangle`, `cube` and `revsurface`.
 
 mod light;
 mod parallelogram;
@@ -22,62 +22,62 @@ use parallelogram::{Coordinates, MappedParallelogram};
 use std::sync::Arc;
 use triangle::{Corners, Place, TrianglePoint, weights};
 
-/// A mesh placed in the world, with what sampling points on it needs. Clones share its arrays.
+/// A mesh in world space, with the data for sampling points on it. Clones share its arrays.
 ///
-/// Tried and lost: position, normal and coordinates of a vertex side by side in 32 bytes. Neighbouring
-/// hits share lines of the separate arrays more often than one hit needs all three of them: renders
-/// were 3 to 10 % slower.
+/// Tried and lost: position, normal and texture coordinates of a vertex side by side in 32 bytes.
+/// Neighbouring hits share cache lines of the separate arrays more often than one hit needs all
+/// three. Renders were 3 to 10 % slower.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     positions: Arc<[Vec3]>,
-    /// Per vertex, unit; empty where the mesh is faceted.
+    /// Per vertex, unit; empty if the mesh is faceted.
     normals: Arc<[Vec3]>,
-    /// Per vertex; empty where there are none.
+    /// Per vertex; empty if there are none.
     uvs: Arc<[Vec2]>,
     indices: Arc<[[u32; 3]]>,
     attributes: Vec<Arc<Attribute>>,
-    /// 1 where the front of a triangle shows its vertices counterclockwise, −1 where clockwise.
+    /// 1 if the vertices of a triangle are counterclockwise seen from the front, −1 if clockwise.
     orientation: f32,
     area: f32,
-    /// Only of meshes that emit light: how points are chosen.
+    /// How points are sampled; only for meshes that emit light.
     sampling: Option<AreaSampling>,
 }
 
-/// Roundings in series between the vertices and the distance at which the tree's triangle test says
-/// they are met: translation, shear and projection, products, sums, and the division.
+/// The roundings in series from the vertices to the hit distance in the tree's triangle test:
+/// translation, shear and projection, products, sums, and the division.
 const INTERSECTION_ROUNDINGS: u32 = 12;
 
-/// How points are chosen: uniform in area but for those of pictures.
+/// How points are sampled: uniformly by area, except on textured lights.
 #[derive(Clone, Debug)]
 enum AreaSampling {
-    /// A triangle by its area, then a point in it.
+    /// Selects a triangle by area, then a point in it.
     Triangles(AliasTable),
-    /// The two triangles are a flat parallelogram: one smooth map, which keeps well-spread random
-    /// numbers well spread, and needs no vertices.
+    /// The two triangles form a flat parallelogram. One smooth map keeps well-distributed random
+    /// numbers well distributed, and needs no vertices.
     Parallelogram(MappedParallelogram),
-    /// A parallelogram that shows a picture.
+    /// A textured parallelogram.
     Slide(Box<picture::Slide>),
-    /// Any mesh that shows a picture.
+    /// Any other textured mesh.
     Mosaic(picture::Mosaic),
 }
 
-/// What the parameters common to all meshes ask for.
+/// The parameters common to all meshes.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshOptions {
-    /// Where the mesh stands.
+    /// The transform to world space.
     pub to_world: Transform,
     /// Ignore vertex normals.
     pub face_normals: bool,
-    /// Turn front and back around.
+    /// Swap front and back.
     pub flip_normals: bool,
-    /// Edges sharper than this many degrees get separate normals on their two sides.
+    /// Edges sharper than this many degrees get separate normals on both sides.
     pub max_smooth_angle: Option<f32>,
     /// Whether a mesh without normals gets smooth ones.
     pub compute_normals: bool,
 }
 
 impl MeshOptions {
-    /// A placement and an orientation, for meshes that bring their own normals.
+    /// A placement and an orientation, for meshes with their own normals.
     #[must_use]
     pub fn placement(to_world: Transform, flip_normals: bool) -> Self {
         Self {
@@ -105,12 +105,12 @@ impl MeshOptions {
 impl Mesh {
     /// Places a mesh in the world.
     ///
-    /// Where the file has normals they decide what is front, and a mirrored mesh keeps its front
-    /// outside. Where they are computed, the winding in the world decides, as in Mitsuba: a mirrored
-    /// mesh then has its front inside.
+    /// If the file has normals, they decide which side is the front, and a mirrored mesh keeps its
+    /// front outside. If they are computed, the winding in world space decides, as in Mitsuba: a
+    /// mirrored mesh then has its front inside.
     ///
     /// # Errors
-    /// If separating the sides of sharp edges makes more vertices than can be counted.
+    /// If splitting sharp edges exceeds the maximum number of vertices.
     pub fn new(mut mesh: TriangleMesh, options: &MeshOptions) -> Result<Self, MeshError> {
         if options.face_normals {
             mesh.normals = Vec::new();
@@ -142,7 +142,7 @@ impl Mesh {
         Ok(placed)
     }
 
-    /// Makes the mesh ready to be a light.
+    /// Prepares the mesh for use as a light.
     pub fn prepare_sampling(&mut self) {
         self.sampling = self.flat_sheet().map(AreaSampling::Parallelogram).or_else(|| {
             let areas: Vec<f32> = self.triangle_areas().collect();
@@ -150,7 +150,8 @@ impl Mesh {
         });
     }
 
-    /// Makes points of a light that shows a picture follow it, once the mesh is ready to be a light.
+    /// Makes point sampling follow the light's texture. The mesh must already be prepared as a
+    /// light.
     pub fn follow(&mut self, glow: Glow<'_>) {
         let following = match self.flat_sheet() {
             Some(sheet) => {
@@ -161,7 +162,7 @@ impl Mesh {
         self.sampling = following.or(self.sampling.take());
     }
 
-    /// The density per area with which [`Self::sample_area`] chooses a point of the surface.
+    /// The density per area of a point sampled by [`Self::sample_area`].
     #[inline]
     #[must_use]
     pub fn pdf_area(&self, surface: &SurfaceInteraction) -> f32 {
@@ -172,8 +173,8 @@ impl Mesh {
         }
     }
 
-    /// The mesh as a parallelogram (a, b, c, d), if it is two triangles (a, b, c) and (a, c, d) of
-    /// one, with the same normal and affine coordinates all over.
+    /// The mesh as a parallelogram (a, b, c, d), if it consists of its two triangles (a, b, c) and
+    /// (a, c, d), with one normal and globally affine texture coordinates.
     fn flat_sheet(&self) -> Option<MappedParallelogram> {
         let &[[a, b, c], [a_again, c_again, d]] = &*self.indices else { return None };
         let vertices = [a, b, c, d].map(|vertex| vertex as usize);
@@ -213,43 +214,43 @@ impl Mesh {
         self.indices[triangle].map(|vertex| self.positions[vertex as usize])
     }
 
-    /// The vertices' positions.
+    /// The vertex positions.
     #[must_use]
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
     }
 
-    /// The vertices of each triangle.
+    /// The vertex indices of each triangle.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.indices
     }
 
-    /// Further quantities that vary over the mesh.
+    /// Additional mesh attributes.
     #[must_use]
     pub fn attributes(&self) -> &[Arc<Attribute>] {
         &self.attributes
     }
 
-    /// Drops the attributes that are not wanted.
+    /// Drops unused attributes.
     pub(crate) fn retain_attributes(&mut self, wanted: impl Fn(&Attribute) -> bool) {
         self.attributes.retain(|attribute| wanted(attribute));
         self.attributes.shrink_to_fit();
     }
 
-    /// The box around the mesh.
+    /// The bounding box of the mesh.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         Bounds3::from_points(self.positions.iter().copied())
     }
 
-    /// The sum of the triangles' areas.
+    /// The total area of the triangles.
     #[must_use]
     pub fn area(&self) -> f32 {
         self.area
     }
 
-    /// Bytes of memory held.
+    /// Bytes of memory used.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.positions)
@@ -259,7 +260,7 @@ impl Mesh {
             + self.attributes.iter().map(|a| size_of_val(a.values.as_slice())).sum::<usize>()
     }
 
-    /// The surface at barycentric coordinates `barycentric` of the second and third vertex.
+    /// The surface at `barycentric`, the barycentric coordinates of the second and third vertex.
     #[inline(always)]
     #[must_use]
     pub fn surface_point(&self, triangle: u32, barycentric: Vec2) -> SurfacePoint {
@@ -287,7 +288,8 @@ impl Mesh {
         }
     }
 
-    /// A point, uniform in area unless it follows a picture; `None` where the mesh has none or was not made ready.
+    /// A point, uniform by area unless it follows a texture; `None` if the mesh is empty or not
+    /// prepared as a light.
     #[inline(always)]
     #[must_use]
     pub fn sample_area(&self, random: Vec2) -> Option<ShapeSample> {
@@ -302,7 +304,7 @@ impl Mesh {
         }
     }
 
-    /// As [`Self::sample_area`] where the mesh is a flat parallelogram without a picture.
+    /// [`Self::sample_area`] for a flat parallelogram without a texture.
     #[inline(always)]
     pub(crate) fn sample_parallelogram(&self, random: Vec2) -> Option<ShapeSample> {
         match &self.sampling {
@@ -311,7 +313,7 @@ impl Mesh {
         }
     }
 
-    /// The mesh as a flat parallelogram from which [`Self::sample_area`] takes points evenly.
+    /// The mesh as a flat parallelogram that [`Self::sample_area`] samples uniformly.
     #[must_use]
     pub fn parallelogram(&self) -> Option<&Parallelogram<f32>> {
         match &self.sampling {
@@ -320,7 +322,7 @@ impl Mesh {
         }
     }
 
-    /// What a light needs of [`Self::surface_point`]: no tangents.
+    /// The part of [`Self::surface_point`] that lights need: no tangents.
     #[inline(always)]
     fn light_point(&self, triangle: usize, barycentric: Vec2) -> ShapeSample {
         let vertices = self.indices[triangle].map(|vertex| vertex as usize);
@@ -344,8 +346,8 @@ impl Mesh {
     }
 }
 
-/// Chooses a triangle, and gives what is left of the two numbers. The bits of one number do for a
-/// few thousand triangles; for more, the upper half of the other one's are needed too.
+/// Selects a triangle, and returns the unused part of the two random numbers. One number has enough
+/// bits for a few thousand triangles. More need the upper half of the other number as well.
 #[inline]
 fn choose_triangle(table: &AliasTable, random: Vec2) -> (usize, Vec2) {
     let (choice, y) = if table.len() <= 4096 {

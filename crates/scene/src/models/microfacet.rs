@@ -1,7 +1,7 @@
 //! Distributions of microfacet normals: Beckmann and GGX, with Smith's masking.
 //!
-//! Directions are in the shading frame. The functions that take `wi` want it above the surface
-//! (z > 0), and the microfacet normal `m` too.
+//! Directions are in the shading frame. Functions that take `wi` require it and the microfacet
+//! normal `m` to be above the surface (z > 0).
 
 use super::erf::{erf_given_exponential, erf_inverse};
 use crate::lanes::{Columns, Transfer};
@@ -12,13 +12,13 @@ use std::f32::consts::FRAC_1_PI;
 /// 1/√π.
 const FRAC_1_SQRT_PI: f32 = 0.564_189_6;
 
-/// Roughness below this is raised to it, as a distribution cannot be a delta.
+/// The minimum roughness: a distribution cannot be a delta.
 const MIN_ALPHA: f32 = 1e-4;
 
-/// Beyond this squares would overflow; no surface is that rough.
+/// The maximum roughness: above it squares would overflow, and no surface is that rough.
 const MAX_ALPHA: f32 = 1e4;
 
-/// Densities below this, times the cosine, are zero: their quotients would be noise.
+/// Densities below this, times the cosine, count as zero because their quotients would be noise.
 const NEGLIGIBLE_DENSITY: f32 = 1e-20;
 
 /// The shape of a distribution of microfacet normals.
@@ -33,13 +33,13 @@ pub enum Distribution {
 /// Which normals are sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalSampling {
-    /// Those that can be seen from `wi` (Heitz and d'Eon, 2014).
+    /// Those visible from `wi` (Heitz and d'Eon, 2014).
     Visible,
     /// All of them.
     All,
 }
 
-/// A distribution of microfacet normals. `R` is a number, or one for each of several hits, which
+/// A distribution of microfacet normals. `R` is a number, or one per lane for several hits that
 /// share the distribution and the sampling.
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacets<R = f32> {
@@ -48,7 +48,7 @@ pub struct Microfacets<R = f32> {
     sampling: NormalSampling,
 }
 
-/// A microfacet reflection without its Fresnel term.
+/// A microfacet reflection without the Fresnel term.
 #[derive(Clone, Copy, Debug)]
 pub struct MicrofacetReflection<R = f32> {
     /// D·G / (4 cos θi): the value with the cosine.
@@ -58,7 +58,7 @@ pub struct MicrofacetReflection<R = f32> {
 }
 
 impl<R: Real> MicrofacetReflection<R> {
-    /// Zero in as many lanes as `like` has.
+    /// Zero, with as many lanes as `like`.
     #[inline(always)]
     fn nothing(like: R) -> Self {
         Self { value: like.zero(), pdf: like.zero() }
@@ -66,20 +66,20 @@ impl<R: Real> MicrofacetReflection<R> {
 }
 
 impl Microfacets {
-    /// Roughness `alpha` along the tangent and the bitangent: for Beckmann the root mean square of
-    /// the slope times √2. Values below 1e-4, and NaN, count as 1e-4.
+    /// Roughness `alpha` along the tangent and the bitangent. For Beckmann it is the root mean
+    /// square slope times √2. Values below 1e-4, and NaN, count as 1e-4.
     #[inline]
     #[must_use]
     pub fn new(distribution: Distribution, sampling: NormalSampling, alpha: Vec2) -> Self {
         Self { alpha: alpha.into(), distribution, sampling }.limited()
     }
 
-    /// Any roughness, and visible normals.
+    /// Any roughness, with sampling of visible normals.
     pub(crate) fn visible(distribution: Distribution) -> Self {
         Self::new(distribution, NormalSampling::Visible, Vec2::ONE)
     }
 
-    /// The distribution where visible normals are sampled.
+    /// The distribution with sampling of visible normals.
     pub(crate) fn visible_distribution(&self) -> Option<Distribution> {
         (self.sampling == NormalSampling::Visible).then_some(self.distribution)
     }
@@ -99,7 +99,7 @@ impl<R: Real> Columns<R> for Microfacets<R> {
 }
 
 impl<R: Real> Microfacets<R> {
-    /// The same roughness in all directions along the surface, and visible normals.
+    /// An isotropic distribution, with sampling of visible normals.
     #[inline(always)]
     pub(crate) fn isotropic(distribution: Distribution, alpha: R) -> Self {
         let (alpha, sampling) = (Vector2::new(alpha, alpha), NormalSampling::Visible);
@@ -113,16 +113,16 @@ impl<R: Real> Microfacets<R> {
         Self { alpha: self.alpha * factor, ..self }.limited()
     }
 
-    /// The distribution with its roughness within bounds.
+    /// The distribution with its roughness clamped.
     #[inline(always)]
     fn limited(self) -> Self {
         let Vector2 { x, y } = self.alpha;
-        // In this order NaN becomes the lower bound.
+        // This order maps NaN to the lower bound.
         let limit = |alpha: R| alpha.max(x.like(MIN_ALPHA)).min(x.like(MAX_ALPHA));
         Self { alpha: Vector2::new(limit(x), limit(y)), ..self }
     }
 
-    /// Which normals [`sample`](Self::sample) chooses from.
+    /// Which normals [`sample`](Self::sample) samples.
     #[inline(always)]
     #[must_use]
     pub fn sampling(&self) -> NormalSampling {
@@ -144,13 +144,13 @@ impl<R: Real> Microfacets<R> {
             Distribution::Beckmann => scale * (-slope2 / cos2).exp() / (cos2 * cos2),
             Distribution::Ggx => scale / ((slope2 + cos2) * (slope2 + cos2)),
         };
-        // False also for the NaN of 0 / 0.
+        // Also false for NaN from 0 / 0.
         R::select((density * m.z).above(NEGLIGIBLE_DENSITY), density, density.zero())
     }
 
-    /// Smith's masking G1(v) / |cos θv|, which stays finite where v grazes, for v on the visible
-    /// side of its microfacet. For Beckmann it holds the rational fit of Walter et al. 2007,
-    /// section 5.2, within 0.35 %, as other renderers do, so that pictures agree.
+    /// Smith's masking G1(v) / |cos θv|, which stays finite at grazing angles, for v on the visible
+    /// side of its microfacet. Beckmann uses the rational fit of Walter et al. 2007, section 5.2,
+    /// accurate to 0.35 %. Other renderers use it too, so images agree.
     #[inline(always)]
     #[must_use]
     pub fn masking_over_cosine(&self, v: impl Into<Vector3<R>>) -> R {
@@ -158,7 +158,7 @@ impl<R: Real> Microfacets<R> {
         let (cosine, stretched2) = (v.z.abs(), self.stretched_squared(v));
         match self.distribution {
             Distribution::Beckmann => {
-                // The paper's a is cosine / sine; its fractions are expanded into one.
+                // The paper's a is cosine / sine; its fractions are combined into one.
                 let sine = stretched2.sqrt();
                 let is_clear = cosine.ge(sine * 1.6);
                 let above = sine * 3.535 + cosine * 2.181;
@@ -169,8 +169,8 @@ impl<R: Real> Microfacets<R> {
         }
     }
 
-    /// G1(v) / |cos θv| to the last digits. It normalises the visible normals: with the fit the
-    /// densities would be off by up to 0.35 %, and an estimate by them.
+    /// G1(v) / |cos θv| without a fit. It normalises the visible normals. With the fit, densities
+    /// and estimates that use them would be off by up to 0.35 %.
     #[inline(always)]
     fn exact_masking_over_cosine(&self, v: Vector3<R>) -> R {
         let (cosine, stretched2) = (v.z.abs(), self.stretched_squared(v));
@@ -188,13 +188,13 @@ impl<R: Real> Microfacets<R> {
         }
     }
 
-    /// The squared length of v's tangential part, stretched by the roughness.
+    /// The squared length of v's tangential part, scaled by the roughness.
     #[inline(always)]
     fn stretched_squared(&self, v: Vector3<R>) -> R {
         (v.truncate() * self.alpha).length_squared()
     }
 
-    /// The density per solid angle with which [`sample`](Self::sample) gives `m`.
+    /// The density per solid angle of an `m` sampled by [`sample`](Self::sample).
     #[inline(always)]
     #[must_use]
     pub fn pdf(&self, wi: impl Into<Vector3<R>>, m: impl Into<Vector3<R>>) -> R {
@@ -209,8 +209,8 @@ impl<R: Real> Microfacets<R> {
         }
     }
 
-    /// Reflection from `wi` to `wo`, both above the surface, at the microfacets of normal `m`
-    /// between them. Zero where `m` cannot be seen from either.
+    /// Reflection from `wi` to `wo`, both above the surface, by microfacets of normal `m` between
+    /// them. Zero if `m` is not visible from both.
     #[inline(always)]
     #[must_use]
     pub fn reflection(
@@ -234,7 +234,7 @@ impl<R: Real> Microfacets<R> {
             NormalSampling::Visible => density * 0.25 * self.exact_masking_over_cosine(wi),
             NormalSampling::All => density * 0.25 * m.z / cosine,
         };
-        // Among all normals there are some along which the Jacobian overflows.
+        // If all normals are sampled, the Jacobian overflows for some of them.
         let exists = is_seen & pdf.is_finite();
         MicrofacetReflection {
             value: R::select(exists, value, nothing.value),
@@ -242,7 +242,7 @@ impl<R: Real> Microfacets<R> {
         }
     }
 
-    /// Chooses a microfacet normal. For an isotropic surface, `uniform.y` and 1 − `uniform.y` give
+    /// Samples a microfacet normal. On an isotropic surface, `uniform.y` and 1 − `uniform.y` give
     /// mirror images about the plane of incidence.
     #[inline(always)]
     #[must_use]
@@ -257,8 +257,8 @@ impl<R: Real> Microfacets<R> {
         }
     }
 
-    /// Both distributions are isotropic in slopes that are divided by the roughness; there the
-    /// squared length has a closed inverse.
+    /// Both distributions are isotropic in slopes divided by the roughness. The distribution of the
+    /// squared length then has a closed-form inverse.
     #[inline(always)]
     fn sample_all(&self, uniform: Vector2<R>) -> Vector3<R> {
         let rest = -uniform.x + 1.0;
@@ -274,7 +274,8 @@ impl<R: Real> Microfacets<R> {
     #[inline(always)]
     fn sample_visible_ggx(&self, wi: Vector3<R>, uniform: Vector2<R>) -> Vector3<R> {
         let standard = (wi.truncate() * self.alpha).extend(wi.z).normalize();
-        // The height of the cap's point above −standard.z; kept, as the sum with it loses digits.
+        // The height of the cap's point above −standard.z, computed directly because the sum loses
+        // precision.
         let height = (-uniform.x + 1.0) * (standard.z + 1.0);
         let z = height - standard.z;
         let disk = direction(uniform.y) * (-z * z + 1.0).safe_sqrt();
@@ -297,7 +298,7 @@ impl<R: Real> Microfacets<R> {
     }
 }
 
-/// The unit vector at an angle, in turns.
+/// The unit vector at an angle given in turns.
 #[inline(always)]
 fn direction<R: Real>(turns: R) -> Vector2<R> {
     let (sine, cosine) = turns.sin_cos_turn();
@@ -310,10 +311,10 @@ fn ggx_masking_over_cosine<R: Real>(cosine: R, stretched2: R) -> R {
     cosine.like(2.0) / (cosine + (cosine * cosine + stretched2).sqrt())
 }
 
-/// The slope along the incident direction of a visible normal of the unit Beckmann distribution,
-/// by inversion of its cumulative distribution, which in x = erf(slope) is proportional to
-/// (1 + x) cos θ + sin θ exp(−slope²) / √π. Newton's iteration within a shrinking bracket; two or
-/// three steps do. A lane stays as it is once it has converged.
+/// Samples the slope along the incident direction of a visible normal of the unit Beckmann
+/// distribution. It inverts the cumulative distribution, which in x = erf(slope) is proportional to
+/// (1 + x) cos θ + sin θ exp(−slope²) / √π. Newton's iteration in a shrinking bracket; two or three
+/// steps suffice. A lane keeps its value once it has converged.
 #[inline(always)]
 fn visible_beckmann_slope<R: Real>(cosine: R, sine: R, uniform: R) -> R {
     let cotangent = cosine / sine;
@@ -321,7 +322,8 @@ fn visible_beckmann_slope<R: Real>(cosine: R, sine: R, uniform: R) -> R {
     let highest = erf_given_exponential(cotangent, exponential);
     let total = (highest + 1.0) * cosine + sine * exponential * FRAC_1_SQRT_PI;
     let target = uniform * total;
-    // With 1 − x² for exp(−slope²), which is within 0.06 of it, the equation is quadratic in 1 + x.
+    // Replacing exp(−slope²) by 1 − x², which differs by at most 0.06, makes the equation quadratic
+    // in 1 + x.
     let curvature = sine * FRAC_1_SQRT_PI;
     let linear = cosine + curvature * 2.0;
     let root = (linear * linear - curvature * target * 4.0).safe_sqrt();
@@ -335,13 +337,13 @@ fn visible_beckmann_slope<R: Real>(cosine: R, sine: R, uniform: R) -> R {
         let is_beyond = value.above(0.0);
         (low, high) = (R::select(is_beyond, low, x), R::select(is_beyond, x, high));
         let newton = x - value / (cosine - slope * sine);
-        // False also for NaN, where the derivative is zero.
+        // Also false for NaN, which occurs if the derivative is zero.
         let inside = newton.ge(low) & newton.le(high);
         let next = R::select(inside, newton, (low + high) * 0.5);
         let step = (next - x).abs();
         x = R::select(goes_on, next, x);
         slope = erf_inverse(x);
-        // A step squares the error, or halves it at the upper end, where the density is zero.
+        // A step squares the error, or halves it at the upper end, where the density vanishes.
         goes_on = goes_on & step.ge(step.like(1e-4));
         if !goes_on.any() {
             break;
@@ -396,7 +398,7 @@ mod tests {
         }
     }
 
-    /// What is seen of the microfacets covers what is seen of the surface (Heitz 2014, equation 14).
+    /// The visible area of the microfacets equals that of the surface (Heitz 2014, equation 14).
     #[test]
     fn masking_leaves_the_projected_area() {
         for microfacets in distributions() {

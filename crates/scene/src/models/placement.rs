@@ -1,43 +1,44 @@
-//! How a closure stands in the shading frame of its hit.
+//! The placement of a closure in the shading frame of its hit.
 
 use etendue_math::Frame;
 use glam::Vec3;
 
-/// How a closure stands in the shading frame of its hit, and with what weight.
+/// The placement of a closure in the shading frame of its hit, and its weight.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
-    /// Its share of the whole; the shares of all closures of a hit sum to at most one.
+    /// The closure's fraction of the total. The weights of all closures of a hit sum to at most
+    /// one.
     pub weight: f32,
-    /// The rows of the matrix that takes shading coordinates to the closure's, where a bump or
-    /// normal map has turned it; applied before `flipped`. It may hold a reflection.
+    /// The rows of the matrix from shading coordinates to the closure's, if a bump or normal map
+    /// has turned it; applied before `flipped`. It may contain a reflection.
     pub(crate) turned: Option<Frame>,
-    /// Whether the closure lies face down: its z axis is the negative one.
+    /// Whether the closure is flipped, with its z axis reversed.
     pub(crate) flipped: bool,
-    /// How strongly light fades out towards the horizon of the shading frame, where a bump or
-    /// normal map has turned the closure: a squared roughness. Zero where it does not.
+    /// How strongly light fades out towards the horizon of the shading frame if a bump or normal
+    /// map has turned the closure: a squared roughness. Zero for no fading.
     pub(crate) shadowing: f32,
 }
 
 impl Placement {
-    /// The closure is all there is, and its frame is the shading frame.
+    /// A single closure with full weight in the shading frame.
     pub const PLAIN: Self = Self { weight: 1.0, turned: None, flipped: false, shadowing: 0.0 };
 
-    /// The same place with a share of the weight.
+    /// The same placement with its weight multiplied.
     #[must_use]
     pub fn scaled(self, share: f32) -> Self {
         Self { weight: self.weight * share, ..self }
     }
 
-    /// The same place face down.
+    /// The same placement, flipped.
     #[must_use]
     pub fn flipped(self) -> Self {
         Self { flipped: !self.flipped, ..self }
     }
 
-    /// The place turned into `frame`, given in this place's coordinates.
+    /// The placement turned to `frame`, which is given in this placement's coordinates.
     #[must_use]
     pub fn turned(self, frame: Frame) -> Self {
-        // Rows of the product: local axes of `frame`, taken back to shading coordinates.
+        // Rows of the product: local axes of `frame`, transformed back to shading coordinates.
         let back = |axis: Vec3| {
             let axis = if self.flipped { flip(axis) } else { axis };
             self.turned.map_or(axis, |turned| turned.to_world(axis))
@@ -46,16 +47,17 @@ impl Placement {
         Self { turned: Some(turned), flipped: false, ..self }
     }
 
-    /// The place with light fading out towards the horizon, as bumps of the normal `normal`, which
-    /// is in this place's coordinates before it was turned, would shadow it.
-    ///
-    /// Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem",
+    /// The placement with light fading out towards the horizon, as shadowed by bumps with the given
+    /// `normal`. The normal is in this placement's coordinates before turning.
+    /// Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
+    /// Problem", *Ray Tracing Gems*, 2019, chapter 12.
     /// *Ray Tracing Gems*, 2019, chapter 12.
     #[must_use]
     pub fn shadowed(self, normal: Vec3) -> Self {
         let cos2 = normal.z * normal.z;
         let tan2 = normal.truncate().length_squared() / cos2.max(f32::MIN_POSITIVE);
-        // Of a map on a map the steeper one counts; they are rare, and their product is rarer seen.
+        // For nested maps the steeper one counts. They are rare, and the exact product is rarely
+        // visible.
         Self { shadowing: self.shadowing.max((0.125 * tan2).min(1.0)), ..self }
     }
 
@@ -69,14 +71,14 @@ impl Placement {
         2.0 / (1.0 + (1.0 + self.shadowing * tan2).sqrt())
     }
 
-    /// The frame that bump and normal maps have turned this place into, in shading coordinates.
-    /// Lying face down does not change it: a map means the same on both sides of a surface.
+    /// The frame that bump and normal maps have turned this placement to, in shading coordinates.
+    /// Flipping does not change it: a map means the same on both sides of a surface.
     #[must_use]
     pub fn frame(&self) -> Frame {
         self.turned.unwrap_or(Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z })
     }
 
-    /// Shading to the closure's coordinates.
+    /// Transforms shading coordinates to the closure's.
     #[inline]
     #[must_use]
     pub fn to_closure(&self, v: Vec3) -> Vec3 {
@@ -84,19 +86,19 @@ impl Placement {
         if self.flipped { flip(v) } else { v }
     }
 
-    /// The closure's to shading coordinates.
+    /// Transforms the closure's coordinates to shading coordinates.
     #[inline]
     pub(crate) fn to_shading(self, v: Vec3) -> Vec3 {
         let v = if self.flipped { flip(v) } else { v };
         self.turned.map_or(v, |turned| turned.to_world(v))
     }
 
-    /// Whether a direction lies on the same side of the turned surface as of the unturned one.
-    /// Where it does not, light would pass through the surface: such directions are cut off.
+    /// Whether a direction lies on the same side of the turned surface as of the original one.
+    /// Other directions would leak light through the surface and are cut off.
     #[inline]
     pub(crate) fn agrees(&self, shading: Vec3, closure: Vec3) -> bool {
         let Some(turned) = self.turned else { return true };
-        // A reflection in the matrix, or lying face down, swaps the sides.
+        // A reflection in the matrix, or flipping, swaps the sides.
         let reflected = turned.s.cross(turned.t).dot(turned.n) < 0.0;
         let side = if reflected != self.flipped { -1.0 } else { 1.0 };
         shading.z * closure.z * side > 0.0

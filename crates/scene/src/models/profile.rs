@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
-/// One cubic segment, by its Bézier control points.
+/// One cubic segment, given by its Bézier control points.
 pub type Segment = [DVec2; 4];
 
-/// The chain of cubic segments of a uniform B-spline with these control points: each four
-/// neighbours give one. Empty for fewer than four.
+/// The cubic segments of a uniform B-spline with these control points. Every four consecutive
+/// points give one segment. Empty for fewer than four.
 ///
 /// The knots are at the integers, and the curve does not reach its end points unless they are
 /// tripled (Bartels, Beatty and Barsky, *An Introduction to Splines*, chapter 4).
@@ -22,8 +22,8 @@ pub fn from_b_spline(points: &[DVec2]) -> Vec<Segment> {
         .collect()
 }
 
-/// The chain of Bézier segments with these control points, each segment starting where the last
-/// ends; `None` unless there are 3n + 1 of them.
+/// The Bézier segments with these control points. Each segment starts at the end of the previous
+/// one. `None` unless there are 3n + 1 points.
 #[must_use]
 pub fn from_bezier(points: &[DVec2]) -> Option<Vec<Segment>> {
     if points.len() < 4 || points.len() % 3 != 1 {
@@ -41,7 +41,7 @@ pub fn point(segment: &Segment, s: f64) -> DVec2 {
     ab.lerp(bc, s).lerp(bc.lerp(cd, s), s)
 }
 
-/// The derivative of a segment by its parameter.
+/// The derivative of a segment with respect to its parameter.
 #[must_use]
 pub fn derivative(segment: &Segment, s: f64) -> DVec2 {
     let [a, b, c, d] = *segment;
@@ -49,8 +49,8 @@ pub fn derivative(segment: &Segment, s: f64) -> DVec2 {
     ab.lerp(bc, s).lerp(bc.lerp(cd, s), s) * 3.0
 }
 
-/// A unit tangent of a segment at parameter `s`: where the derivative vanishes, the direction that
-/// it has beside that point.
+/// A unit tangent of a segment at parameter `s`. If the derivative vanishes, this is the limit of
+/// its direction.
 #[must_use]
 pub fn tangent(segment: &Segment, s: f64) -> DVec2 {
     let [a, b, c, d] = *segment;

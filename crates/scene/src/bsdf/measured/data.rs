@@ -1,4 +1,4 @@
-//! A measured material: what its file says, checked and ready to be looked up.
+//! A measured material: the contents of its file, validated and ready for lookup.
 
 use super::grids::{Densities, Grids, Mix};
 use super::tensor_file::{self, NumberKind, Tensor, TensorError};
@@ -6,7 +6,7 @@ use etendue_spectrum::{SampledSpectrum, SpectrumUse};
 use std::collections::BTreeMap;
 use std::f32::consts::{PI, TAU};
 
-/// More wavelengths than these are in no measurement.
+/// No measurement has more wavelengths than this.
 const MAX_WAVELENGTHS: usize = 4096;
 
 /// A measured material.
@@ -20,32 +20,32 @@ pub(super) struct Measurement {
     pub(super) normals: Grids,
     /// The area of the microfacets projected along a direction.
     pub(super) projected: Grids,
-    /// How visible normals are chosen, by incident direction.
+    /// The distribution for sampling visible normals, by incident direction.
     pub(super) visible: Densities,
-    /// How the choice among them follows the light that they reflect.
+    /// The distribution that adapts this sampling to the reflected luminance.
     pub(super) luminance: Densities,
-    /// The reflectance: for each incident direction a table of red, of green and of blue.
+    /// The reflectance: one table each of red, green and blue per incident direction.
     pub(super) colors: Grids,
-    /// Whether the values are still to be multiplied by the distribution of normals.
+    /// Whether the values must still be multiplied by the distribution of normals.
     pub(super) has_jacobian: bool,
-    /// Into how many equal parts the symmetry of the material divides the circle of azimuths.
+    /// The number of equal parts into which the material's symmetry divides the circle of azimuths.
     pub(super) symmetry: Symmetry,
 }
 
-/// How a material repeats over the azimuth.
+/// The symmetry of a material in azimuth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Symmetry {
-    /// It is the same from all sides.
+    /// The material is isotropic.
     Isotropic,
     /// All azimuths are measured.
     Full,
-    /// One half is: the other is its image at the origin.
+    /// Half of the azimuths are measured. The other half is the point reflection.
     Half,
-    /// One quarter is: the others are its mirror images.
+    /// A quarter of the azimuths is measured. The others are mirror images.
     Quarter,
 }
 
-/// What is wrong with a file, in words.
+/// A message about a defect in a file.
 pub(super) type Problem = String;
 
 struct Fields<'a>(BTreeMap<&'a [u8], Tensor<'a>>);
@@ -60,7 +60,7 @@ impl<'a> Fields<'a> {
         Ok(tensor)
     }
 
-    /// A field of numbers that are finite and not negative.
+    /// Reads a field of finite, non-negative numbers.
     fn positive(&self, name: &str, dimensions: usize) -> Result<(Tensor<'a>, Vec<f32>), Problem> {
         let tensor = self.get(name, NumberKind::Float32, dimensions)?;
         let values: Vec<f32> = tensor.floats().collect();
@@ -72,7 +72,7 @@ impl<'a> Fields<'a> {
         Ok((tensor, values))
     }
 
-    /// A field of ascending finite numbers.
+    /// Reads a field of finite numbers in ascending order.
     fn ascending(&self, name: &str) -> Result<Vec<f32>, Problem> {
         let tensor = self.get(name, NumberKind::Float32, 1)?;
         let values: Vec<f32> = tensor.floats().collect();
@@ -83,14 +83,14 @@ impl<'a> Fields<'a> {
         Ok(values)
     }
 
-    /// One table.
+    /// Reads a single table.
     fn grid(&self, name: &str) -> Result<Grids, Problem> {
         let (tensor, values) = self.positive(name, 2)?;
         let &[rows, columns] = tensor.shape() else { return Err(too_small(name)) };
         Grids::new(columns, rows, values).ok_or_else(|| too_small(name))
     }
 
-    /// A table for each incident direction.
+    /// Reads one table per incident direction.
     fn densities(&self, name: &str, directions: [usize; 2]) -> Result<Densities, Problem> {
         let (tensor, values) = self.positive(name, 4)?;
         let &[phi, theta, rows, columns] = tensor.shape() else { return Err(too_small(name)) };
@@ -102,7 +102,7 @@ impl<'a> Fields<'a> {
         Densities::new(grids).ok_or_else(nothing)
     }
 
-    /// The tables of reflectance, as colours.
+    /// Reads the reflectance tables, converted to colours.
     fn colors(&self, directions: [usize; 2]) -> Result<Grids, Problem> {
         let is_rgb = self.0.contains_key(&b"rgb"[..]);
         let name = if is_rgb { "rgb" } else { "spectra" };
@@ -133,8 +133,8 @@ fn too_small(name: &str) -> Problem {
     format!("the tables of the field `{name}` need two rows and columns")
 }
 
-/// Spectra as colours. `table` numbers of one wavelength lie side by side. A colour is linear in
-/// the spectrum, so each wavelength has a colour of its own, and they are added up.
+/// Converts spectra to colours. Each wavelength has `table` consecutive numbers. A colour is linear
+/// in the spectrum, so each wavelength contributes its own colour to the sum.
 fn to_colors(values: &[f32], wavelengths: &[f32], table: usize) -> Result<Vec<f32>, Problem> {
     if wavelengths.len() > MAX_WAVELENGTHS {
         return Err(format!("more than {MAX_WAVELENGTHS} wavelengths"));
@@ -153,7 +153,7 @@ fn to_colors(values: &[f32], wavelengths: &[f32], table: usize) -> Result<Vec<f3
             let terms = colors.iter().enumerate();
             terms.map(|(i, color)| spectra[i * table + place] * color[channel]).sum()
         };
-        // Colours that no screen can show are brought to its limits.
+        // Clamp colours outside the gamut.
         (0..3)
             .flat_map(|c| (0..table).map(move |p| (p, c)))
             .map(|(p, c)| sum(p, c).max(0.0))
@@ -167,7 +167,7 @@ impl Measurement {
     /// Reads a file.
     ///
     /// # Errors
-    /// In words, where the file is no measurement, or an incomplete one.
+    /// A message if the file is not a measurement, or is incomplete.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, Problem> {
         let fields = tensor_file::read(bytes).map_err(|error: TensorError| error.to_string())?;
         let fields = Fields(fields);
@@ -187,7 +187,7 @@ impl Measurement {
         })
     }
 
-    /// The tables of an incident direction and their shares.
+    /// The tables around an incident direction, with their weights.
     pub(super) fn mix(&self, phi: f32, theta: f32) -> Mix {
         let [low_phi, high_phi] = between(&self.phi, phi);
         let [low_theta, high_theta] = between(&self.theta, theta);
@@ -195,13 +195,13 @@ impl Measurement {
             .map(|((row, a), (column, b))| (row * self.theta.len() + column, a * b))
     }
 
-    /// The tables of one channel of the colours.
+    /// The tables of one colour channel.
     pub(super) fn color_mix(mix: &Mix, channel: usize) -> Mix {
         mix.map(|(table, share)| (3 * table + channel, share))
     }
 }
 
-/// The two numbers around a value and their shares; the ends beyond them.
+/// The two numbers around a value, with their weights. Values outside the range use the ends.
 fn between(numbers: &[f32], value: f32) -> [(usize, f32); 2] {
     let high = numbers.partition_point(|number| *number <= value);
     if high == 0 || high == numbers.len() {
@@ -227,8 +227,8 @@ impl Symmetry {
     }
 }
 
-/// The place of a direction in the unit square: the root of the elevation over π/2, as reflection
-/// varies fastest around the normal, and the azimuth from −π to π.
+/// Maps a direction to the unit square: the square root of the elevation over π/2, because
+/// reflection varies fastest around the normal, and the azimuth from −π to π.
 pub(super) fn place(theta: f32, phi: f32) -> glam::Vec2 {
     let across = (phi + PI) / TAU;
     glam::Vec2::new((theta * (2.0 / PI)).sqrt(), across - across.floor())
@@ -241,7 +241,8 @@ mod tests {
     #[test]
     fn spectra_become_the_colors_that_they_have() {
         let wavelengths = [360.0, 450.0, 550.0, 650.0, 830.0];
-        // Two incident directions with one entry each: grey, and a red that ends in the infrared.
+        // Two incident directions with one entry each: grey, and a red that extends into the
+        // infrared.
         let values = [[0.5; 5], [0.0, 0.0, 0.0, 1.0, 1.0]].concat();
         let colors = to_colors(&values, &wavelengths, 1).expect("colours");
         assert!(colors[..3].iter().all(|grey| (grey - 0.5).abs() < 1e-3), "{colors:?}");

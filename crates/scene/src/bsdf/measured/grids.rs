@@ -1,12 +1,12 @@
-//! Tables over the unit square, and choosing points by them: bilinear between entries, and linear
-//! in further parameters that choose among many such tables.
+//! Tables over the unit square, and sampling of points from them. They are bilinear between
+//! entries, and linear in further parameters that interpolate among many such tables.
 //!
 //! Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering",
 //! 2018, section 4.
 
 use glam::Vec2;
 
-/// A few tables of a stack with their shares, which sum to one.
+/// A few tables of a stack with their weights, which sum to one.
 pub(super) type Mix = [(usize, f32); 4];
 
 /// The only table of a stack.
@@ -21,17 +21,17 @@ pub(super) struct Grids {
     values: Vec<f32>,
 }
 
-/// Tables by whose values points are chosen: each integrates to one over the unit square.
+/// Tables as densities of points. Each integrates to one over the unit square.
 #[derive(Clone, Debug)]
 pub(super) struct Densities {
     grids: Grids,
-    /// For each entry, the sum over its row up to it; trapezoids of unit width.
+    /// For each entry, the running sum along its row, by the trapezoidal rule with unit width.
     along: Vec<f32>,
-    /// For each row, the sum over all rows up to it.
+    /// For each row, the running sum over the rows.
     across: Vec<f32>,
 }
 
-/// A cell of a table, and the place within it, from 0 to 1 in both directions.
+/// A cell of a table, and the position in it, from 0 to 1 in both directions.
 struct Cell {
     column: usize,
     row: usize,
@@ -39,7 +39,8 @@ struct Cell {
 }
 
 impl Grids {
-    /// Tables of at least two entries in both directions; `None` where the numbers do not fill them.
+    /// Tables with at least two entries in both directions; `None` if the count of numbers does not
+    /// match.
     pub(super) fn new(columns: usize, rows: usize, values: Vec<f32>) -> Option<Self> {
         let whole = columns >= 2 && rows >= 2 && !values.is_empty();
         let filled = whole && values.len().is_multiple_of(columns.checked_mul(rows)?);
@@ -48,7 +49,7 @@ impl Grids {
 
     fn cell(&self, place: Vec2) -> Cell {
         let scaled = place * Vec2::new((self.columns - 1) as f32, (self.rows - 1) as f32);
-        // Casts are saturating, and zero for NaN.
+        // Casts saturate and map NaN to zero.
         let column = (scaled.x as usize).min(self.columns - 2);
         let row = (scaled.y as usize).min(self.rows - 2);
         let within = scaled - Vec2::new(column as f32, row as f32);
@@ -61,7 +62,7 @@ impl Grids {
         mixture(mix, |table| self.values[table * size + row * self.columns + column])
     }
 
-    /// The values at both ends of a cell, at a height within it.
+    /// The values at both ends of a cell, at a given height in it.
     #[inline]
     fn ends(&self, mix: &Mix, row: usize, column: usize, height: f32) -> [f32; 2] {
         [column, column + 1].map(|column| {
@@ -70,7 +71,7 @@ impl Grids {
         })
     }
 
-    /// The value at a place of the unit square.
+    /// The value at a point of the unit square.
     pub(super) fn eval(&self, mix: &Mix, place: Vec2) -> f32 {
         let Cell { column, row, within } = self.cell(place);
         let [low, high] = self.ends(mix, row, column, within.y);
@@ -78,14 +79,14 @@ impl Grids {
     }
 }
 
-/// The sum of a quantity of some tables by their shares.
+/// A weighted sum of a quantity over some tables.
 #[inline]
 fn mixture(mix: &Mix, of: impl Fn(usize) -> f32) -> f32 {
     mix.iter().filter(|(_, share)| *share != 0.0).map(|&(table, share)| share * of(table)).sum()
 }
 
 impl Densities {
-    /// Normalises every table; `None` where one has nothing in it.
+    /// Normalises every table; `None` if a table sums to zero.
     pub(super) fn new(mut grids: Grids) -> Option<Self> {
         let Grids { columns, rows, .. } = grids;
         let mut along = Vec::with_capacity(grids.values.len());
@@ -102,18 +103,18 @@ impl Densities {
         Some(Self { grids, along, across })
     }
 
-    /// The density at a place, from one that is normalised to unit cells.
+    /// The density at a point, normalised to unit cells.
     #[inline]
     fn per_square(&self, per_cell: f32) -> f32 {
         per_cell * ((self.grids.columns - 1) * (self.grids.rows - 1)) as f32
     }
 
-    /// The density at a place of the unit square.
+    /// The density at a point of the unit square.
     pub(super) fn pdf(&self, mix: &Mix, place: Vec2) -> f32 {
         self.per_square(self.grids.eval(mix, place))
     }
 
-    /// The sum over the row up to an entry.
+    /// The sum along the row up to an entry.
     #[inline]
     fn sum_along(&self, mix: &Mix, row: usize, column: usize) -> f32 {
         let Grids { columns, rows, .. } = self.grids;
@@ -125,13 +126,13 @@ impl Densities {
         mixture(mix, |table| self.across[table * self.grids.rows + row])
     }
 
-    /// The sums over the whole rows below and above a cell.
+    /// The sums along the full rows below and above a cell.
     #[inline]
     fn row_totals(&self, mix: &Mix, row: usize) -> [f32; 2] {
         [row, row + 1].map(|row| self.sum_along(mix, row, self.grids.columns - 1))
     }
 
-    /// A place with that density, and the density.
+    /// Samples a point with that density, and returns the density.
     pub(super) fn sample(&self, mix: &Mix, uniform: Vec2) -> (Vec2, f32) {
         let Grids { columns, rows, .. } = self.grids;
         let row = last_below(rows - 1, uniform.y, |row| self.sum_across(mix, row));
@@ -150,7 +151,7 @@ impl Densities {
         (place, self.per_square(ends[0] + x * (ends[1] - ends[0])))
     }
 
-    /// The uniform numbers behind a place, and the density there.
+    /// The inverse of sampling: the uniform numbers that give a point, and the density there.
     pub(super) fn invert(&self, mix: &Mix, place: Vec2) -> (Vec2, f32) {
         let Cell { column, row, within: Vec2 { x, y } } = self.grids.cell(place);
         let ends = self.grids.ends(mix, row, column, y);
@@ -185,7 +186,7 @@ fn sums(table: &[f32], columns: usize) -> (f64, Vec<f64>, Vec<f64>) {
     (total, along, across)
 }
 
-/// The last of the cells 0 to `count` − 1 whose sum of all before it is not above `wanted`.
+/// The last of the cells 0 to `count` − 1 whose preceding sum does not exceed `wanted`.
 fn last_below(count: usize, wanted: f32, sum_before: impl Fn(usize) -> f32) -> usize {
     let (mut low, mut high) = (0, count);
     while high - low > 1 {
@@ -199,13 +200,13 @@ fn last_below(count: usize, wanted: f32, sum_before: impl Fn(usize) -> f32) -> u
     low
 }
 
-/// The area below the line from `ends[0]` to `ends[1]` up to `x` in [0, 1].
+/// The area from 0 to `x` in [0, 1] under the line from `ends[0]` to `ends[1]`.
 #[inline]
 fn trapezoid(ends: [f32; 2], x: f32) -> f32 {
     x * (ends[0] + 0.5 * x * (ends[1] - ends[0]))
 }
 
-/// Where that area is reached.
+/// The inverse of that area.
 #[inline]
 fn invert_trapezoid(ends: [f32; 2], area: f32) -> f32 {
     let root = (ends[0] * ends[0] + 2.0 * area * (ends[1] - ends[0])).max(0.0).sqrt();

@@ -1,14 +1,15 @@
 //! The file format of the RGL material database: named arrays in one file.
 //!
-//! Little-endian. A head (`tensor_file`, a zero, a version of two bytes, the number of fields), then
-//! for each field its name, dimensions, type, place in the file and extents; the numbers follow.
+//! Little-endian. The header is `tensor_file`, a zero byte, a two-byte version and the number of
+//! fields. For each field, its name, dimensions, type, offset in the file and extents follow. Then
+//! comes the data.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 
 const MAGIC: &[u8] = b"tensor_file\0";
 const VERSION: [u8; 2] = [1, 0];
-/// More fields or dimensions than these are in no such file.
+/// No such file has more fields or dimensions than this.
 const MAX_FIELDS: u32 = 256;
 const MAX_DIMENSIONS: u16 = 8;
 
@@ -21,25 +22,25 @@ pub(super) struct Tensor<'a> {
     bytes: &'a [u8],
 }
 
-/// The types of numbers that measurements hold.
+/// The number types that measurements use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NumberKind {
-    /// Bytes: texts and flags.
+    /// Bytes: text and flags.
     Uint8,
-    /// Floats of four bytes.
+    /// Four-byte floats.
     Float32,
-    /// Any other, of which only the size is known.
+    /// Any other type, of which only the size is known.
     Other,
 }
 
-/// What is wrong with a file.
+/// A defect of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum TensorError {
-    /// It is of another kind.
+    /// It has another format.
     NotATensorFile,
-    /// It ends before what it promises.
+    /// It is truncated.
     Truncated,
-    /// A number in it cannot be.
+    /// It contains an impossible number.
     Invalid(&'static str),
 }
 
@@ -54,24 +55,24 @@ impl Display for TensorError {
 }
 
 impl<'a> Tensor<'a> {
-    /// How many numbers there are along each dimension, the slowest first.
+    /// The extent of each dimension, the slowest first.
     pub(super) fn shape(&self) -> &[usize] {
         &self.extents[..self.dimensions]
     }
 
-    /// All numbers of a tensor of floats.
+    /// All numbers of a float tensor.
     pub(super) fn floats(&self) -> impl Iterator<Item = f32> + 'a {
         let quadruples = self.bytes.chunks_exact(4);
         quadruples.map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
     }
 
-    /// The bytes behind the numbers.
+    /// The raw bytes of the numbers.
     pub(super) fn bytes(&self) -> &'a [u8] {
         self.bytes
     }
 }
 
-/// Reads the fields of a file. Nothing is copied; every array lies within `bytes`.
+/// Reads the fields of a file without copying. Every array borrows from `bytes`.
 pub(super) fn read(bytes: &[u8]) -> Result<BTreeMap<&[u8], Tensor<'_>>, TensorError> {
     let mut reader = Reader { bytes, place: 0 };
     if reader.take(MAGIC.len()) != Ok(MAGIC) || reader.take(2) != Ok(&VERSION) {

@@ -1,4 +1,4 @@
-//! What measured materials read, scatter and refuse.
+//! Loading, scattering and rejection of measured materials.
 
 use crate::testing::material::assert_finds;
 use etendue_document::{Fault, Severity};
@@ -8,7 +8,7 @@ use super::data::Measurement;
 const ISOTROPIC: &[u8] = include_bytes!("isotropic.bsdf");
 const SPECTRAL: &[u8] = include_bytes!("spectral.bsdf");
 
-/// The file with all bytes of one text replaced by those of another of the same length.
+/// The file with all occurrences of one byte string replaced by another of equal length.
 fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let place = bytes.windows(from.len()).position(|window| window == from).expect("the text");
@@ -30,7 +30,7 @@ fn what_is_no_measurement_is_refused_in_words() {
     assert_problem(&replaced(ISOTROPIC, b"ndf", b"nix"), "no field `ndf`");
     assert_problem(&replaced(ISOTROPIC, b"rgb", b"rbg"), "no field `spectra`");
     assert_problem(&replaced(SPECTRAL, b"wavelengths", b"wavelongths"), "no field `wavelengths`");
-    // The second elevation, 0.5079, becomes the first, and then no number at all.
+    // The second elevation, 0.5079, becomes the first, and then NaN.
     let second = [0x22, 0x05, 0x02, 0x3f];
     assert_problem(&replaced(ISOTROPIC, &second, &0_f32.to_le_bytes()), "do not ascend");
     assert_problem(&replaced(ISOTROPIC, &second, &f32::NAN.to_le_bytes()), "do not ascend");
@@ -61,7 +61,7 @@ fn damaged_files_do_no_harm() {
             let place = random.below(500) as usize;
             bytes[place] = random.below(256) as u8;
         }
-        // Either way is right; what counts is that it ends.
+        // Both results are valid. The test only checks that loading terminates.
         let _ = Measurement::read(&bytes);
     }
 }

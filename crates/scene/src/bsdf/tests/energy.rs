@@ -1,4 +1,4 @@
-//! How much light comes back.
+//! Energy conservation.
 
 use super::incident;
 use crate::bsdf::{Bsdf, Transport};
@@ -7,13 +7,13 @@ use crate::testing::material::TestMaterial;
 use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 
-/// How far the estimates of [`albedo`] may be off.
+/// The tolerance of the estimates of [`albedo`].
 const ERROR: f32 = 1e-3;
 
-/// The mean weight of samples: the albedo. Importance is conserved at refraction, radiance is not.
+/// The mean weight of samples: the albedo. Refraction conserves importance, not radiance.
 ///
-/// The uniform numbers are Roberts' sequence, the multiples of the powers of the root of
-/// x⁴ = x + 1, whose error falls nearly as 1 / N.
+/// The uniform numbers are Roberts' sequence, multiples of the powers of the root of x⁴ = x + 1.
+/// Its error falls almost as 1 / N.
 fn albedo(bsdf: &Bsdf<'_>, wi: Vec3) -> Spectrum {
     const COUNT: u32 = 1 << 17;
     let root = 1.220_744_084_605_76_f64;
@@ -40,7 +40,7 @@ fn nothing_gives_off_more_light_than_it_gets() {
         for wi in incident() {
             let albedo = albedo(&material.bsdf(wi), wi);
             let bound = if configuration.xml.contains("roughdiffuse") {
-                // Oren and Nayar's fit goes beyond at grazing angles; here the facets have 0.5.
+                // Oren and Nayar's fit exceeds one at grazing angles; here the facets have 0.5.
                 0.7
             } else {
                 1.0 + ERROR
@@ -61,7 +61,7 @@ fn lossless_materials_give_back_all_of_it() {
                 continue;
             }
             let albedo = albedo(&bsdf, wi);
-            // Where every weight is one there is nothing to estimate.
+            // If every weight is one, there is nothing to estimate.
             let tolerance = if configuration.xml.contains("plastic") { ERROR } else { 1e-6 };
             let off = (albedo - Spectrum::ONE).abs().max_component();
             assert!(off <= tolerance, "{} from {wi}: {albedo:?}", configuration.xml);

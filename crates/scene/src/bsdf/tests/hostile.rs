@@ -1,4 +1,4 @@
-//! Numbers at the edges: nothing may come out infinite, negative or NaN.
+//! Extreme inputs: no result may be infinite, negative or NaN.
 
 use super::incident;
 use crate::bsdf::{Bsdf, Transport};
@@ -8,7 +8,7 @@ use etendue_spectrum::Spectrum;
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
 
-/// Directions anywhere, and nearly or exactly along and across the surface.
+/// Arbitrary directions, many of them exactly or nearly along the normal or the surface.
 fn direction(random: &mut TestRng) -> Vec3 {
     let tangent = Vec2::from_angle(random.range_f32(0.0, 6.4));
     let side = if random.below(2) == 0 { 1.0 } else { -1.0 };
@@ -21,7 +21,7 @@ fn direction(random: &mut TestRng) -> Vec3 {
     }
 }
 
-/// Uniform numbers, often the first or the last of their range.
+/// Uniform numbers, often the first or last of their range.
 fn uniform(random: &mut TestRng) -> f32 {
     match random.below(8) {
         0 => 0.0,
@@ -47,7 +47,7 @@ fn check(xml: &str, bsdf: &Bsdf<'_>, wi: Vec3, random: &mut TestRng) {
             && (sample.wo.length() - 1.0).abs() < 1e-4
             && sample.eta.is_finite();
         assert!(good, "{xml}: {wi:?} {lobe} {point} {sample:?}");
-        // The next line of a path: what was sampled is evaluated from the other end.
+        // The sampled direction must also evaluate without bad values.
         let (value, pdf) = bsdf.eval_pdf(wi, sample.wo, transport);
         assert!(sound(value, pdf), "{xml}: {wi:?} {sample:?} {value:?} {pdf}");
     }

@@ -1,16 +1,17 @@
-//! Values and densities against those of Mitsuba 3.9.1, variant `scalar_rgb`.
+//! Comparison of values and densities with Mitsuba 3.9.1, variant `scalar_rgb`.
 
 use crate::bsdf::{Lobe, Transport};
 use crate::testing::material::TestMaterial;
 use glam::{Vec2, Vec3};
 
-/// Materials, one to a line, each followed by `eval` lines (wi, wo, value with cosine, density)
-/// or `sample` lines (wi, the number that chooses the lobe, wo, weight, density, eta). Printed from
-/// `BSDF.eval_pdf` and `BSDF.sample` at a hit as [`testing::surface`](crate::testing::material::surface)
-/// gives it. Left out are densities from behind an opaque material, where Mitsuba has some.
+/// One material per line, followed by `eval` lines (wi, wo, value with cosine, density) or `sample`
+/// lines (wi, the number that selects the lobe, wo, weight, density, eta). Printed from
+/// `BSDF.eval_pdf` and `BSDF.sample` at the hit that
+/// [`testing::surface`](crate::testing::material::surface) makes. Densities from behind an opaque
+/// material are omitted, because Mitsuba returns nonzero ones.
 const VALUES: &str = include_str!("mitsuba_values.txt");
 
-/// The values are printed with seven digits, and computed with as many.
+/// Values are printed and computed with seven digits.
 const RELATIVE: f32 = 2e-4;
 
 #[test]
@@ -47,15 +48,16 @@ fn compare_eval(material: &TestMaterial, xml: &str, numbers: &[f32]) -> Option<S
     let (wi, wo) = (vector(numbers), vector(&numbers[3..]));
     let (value, pdf) = material.bsdf(wi).eval_pdf(wi, wo, Transport::Radiance);
     let value_tolerance = match xml {
-        // Mitsuba fits the diffuse reflectance of a smooth coat, to 0.12 % of 1 − F at this index.
+        // Mitsuba fits the diffuse reflectance of a smooth coat, within 0.12 % of 1 − F at this
+        // index.
         _ if xml.contains("\"plastic\"") => 2e-3,
-        // Both integrate over the normals, with different numbers of nodes.
+        // Both integrate over the normals, but with different numbers of nodes.
         _ if xml.contains("\"roughplastic\"") => 1e-3,
-        // Mitsuba's series for the Bessel function is cut off: its lobes lose up to 0.5 % by that.
+        // Mitsuba truncates its series for the Bessel function. This costs its lobes up to 0.5 %.
         _ if xml.contains("\"hair\"") => 5e-3,
         _ => RELATIVE,
     };
-    // Where normals are Beckmann's, Mitsuba's density holds the fit of the masking (0.35 %).
+    // For Beckmann normals, Mitsuba's density uses the fit of the masking (0.35 %).
     let fitted = xml.contains("\"rough") && !xml.contains("\"ggx\"");
     let pdf_tolerance = if fitted { 4e-3 } else { value_tolerance };
     let expected = &numbers[6..9];

@@ -1,4 +1,4 @@
-//! Samples against densities, values and their own weights.
+//! Samples compared with densities, values and their own weights.
 
 use super::incident;
 use crate::bsdf::{Bsdf, Transport};
@@ -6,7 +6,7 @@ use crate::testing::bsdf_cases::configurations;
 use etendue_testkit::{ChiSquare, TestRng};
 use glam::Vec3;
 
-/// Whether the material shows anything smooth at all from `wi`.
+/// Whether the material has any smooth reflection or transmission from `wi`.
 fn is_visible(bsdf: &Bsdf<'_>, wi: Vec3) -> bool {
     let mut random = TestRng::new(1);
     let mut scatters = |_| {
@@ -65,8 +65,8 @@ fn weights_times_densities_are_values() {
                     continue;
                 }
                 let product = sample.weight * sample.pdf;
-                // The normal between two directions is known to some 1e-7 over their length, and
-                // the sharpest density here changes by 1 / 0.02² over a unit of the squared slope.
+                // The normal between two directions has an error of about 1e-7 divided by their
+                // length. The sharpest density here changes by 1 / 0.02² per unit of squared slope.
                 let near = |a: f32, b: f32| (a - b).abs() <= 5e-3 * b.abs() + 1e-6;
                 let agree = near(sample.pdf, pdf)
                     && product.rgb().iter().zip(value.rgb()).all(|(a, b)| near(*a, b));
@@ -84,7 +84,7 @@ fn swapped_directions_give_the_adjoint() {
         let material = configuration.material();
         for _ in 0..500 {
             let (wi, wo) = (random.unit_vector(), random.unit_vector());
-            // Densities of close directions over cosines near zero would be all noise.
+            // The densities of close directions over cosines near zero would be pure noise.
             if wi.z.abs().min(wo.z.abs()) < 0.05 {
                 continue;
             }

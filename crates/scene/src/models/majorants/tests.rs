@@ -1,4 +1,4 @@
-//! Collisions follow the bounds, and the bounds hold.
+//! Collisions follow the majorants, and the majorants bound the extinction.
 
 use super::*;
 use crate::volume::gridvolume::tests::random_grid;
@@ -8,7 +8,7 @@ use etendue_testkit::{Accumulator, ChiSquare, TestRng, z_test};
 use glam::{DMat4, DQuat, DVec3};
 use std::sync::Arc;
 
-/// A grid of random values, turned and stretched in the world.
+/// A grid of random values, rotated and scaled in the world.
 fn volume(size: [i32; 3]) -> Volume {
     let matrix = DMat4::from_scale_rotation_translation(
         DVec3::new(2.0, 1.0, 3.0),
@@ -87,7 +87,7 @@ fn as_many_rays_pass_as_should() {
     }
 }
 
-/// In even matter the distances to collisions are exponential.
+/// In a homogeneous medium the distances to collisions are exponential.
 #[test]
 fn distances_follow_the_exponential_law() {
     let volume = Volume::Constant(crate::volume::constvolume::ConstVolume::new(

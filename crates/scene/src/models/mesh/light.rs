@@ -1,4 +1,4 @@
-//! Points of glowing meshes, for several paths at once.
+//! Points on emissive meshes, for several paths at once.
 
 use super::triangle::{CornerBatch, Place};
 use super::{AreaSampling, Mesh, choose_triangle};
@@ -6,24 +6,24 @@ use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
 use etendue_sampling::warp;
 use glam::Vec2;
 
-/// A point of a light, or one for each lane: a [`ShapeSample`](crate::shape::ShapeSample) without
-/// surface coordinates.
+/// A point on a light, or one per lane: a [`ShapeSample`](crate::shape::ShapeSample) without
+/// texture coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct LightPoint<R> {
     /// The point.
     pub point: Vector3<R>,
-    /// A bound of the absolute error of each coordinate of `point`.
+    /// A bound on the absolute error of each coordinate of `point`.
     pub error: Vector3<R>,
     /// The unit geometric normal.
     pub normal: Vector3<R>,
-    /// The shading normal, which decides which side sends out light.
+    /// The shading normal, which decides which side emits light.
     pub shading_normal: Vector3<R>,
     /// The density per area.
     pub pdf: R,
 }
 
 impl<R: Real> LightPoint<R> {
-    /// `yes` where the mask is true, `no` elsewhere.
+    /// `yes` if the mask is true, else `no`.
     #[inline(always)]
     #[must_use]
     pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
@@ -37,21 +37,21 @@ impl<R: Real> LightPoint<R> {
     }
 }
 
-/// Triangles chosen of glowing meshes, one for each lane, side by side in memory.
+/// Triangles sampled on emissive meshes, one per lane, stored in columns.
 #[derive(Clone, Debug, Default)]
 pub struct LightPointBatch {
     corners: CornerBatch,
-    /// What choosing the triangles has left of the random numbers.
+    /// The random numbers that remain after the triangles are selected.
     random: [LaneArray; 2],
-    /// The areas of the whole meshes.
+    /// The areas of the entire meshes.
     area: LaneArray,
 }
 
 impl LightPointBatch {
-    /// Chooses a triangle of `mesh` for a lane, as [`Mesh::sample_area`] does.
+    /// Selects a triangle of `mesh` for a lane, as [`Mesh::sample_area`] does.
     ///
-    /// The mesh must choose [triangles by their area](Mesh::chooses_triangles); of others, the lane
-    /// has a point of infinite density, which no path can use.
+    /// The mesh must [select triangles by area](Mesh::chooses_triangles). For other meshes, the
+    /// lane gets a point of infinite density, which no path can use.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, mesh: &Mesh, random: Vec2) {
         let Some(AreaSampling::Triangles(table)) = &mesh.sampling else { return };
@@ -75,7 +75,7 @@ impl LightPointBatch {
 }
 
 impl Mesh {
-    /// Whether points are chosen by taking a triangle by its area, and a point in it.
+    /// Whether point sampling selects a triangle by area and then a point in it.
     #[must_use]
     pub fn chooses_triangles(&self) -> bool {
         matches!(self.sampling, Some(AreaSampling::Triangles(_)))

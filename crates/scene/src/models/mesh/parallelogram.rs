@@ -1,24 +1,24 @@
-//! Flat parallelograms, the commonest lights: points of them for one path or several.
+//! Points on flat parallelograms, the most common lights, for one or several paths.
 
 use super::LightPoint;
 use crate::interaction::ShapeSample;
 use etendue_math::lanes::{LaneArray, Lanes, Real, Simd, Vector2, Vector3};
 use glam::Vec2;
 
-/// A flat parallelogram, or one for each lane: everything is affine in two random numbers.
+/// A flat parallelogram, or one per lane. Everything is affine in two random numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Parallelogram<R> {
-    /// Where both numbers are zero.
+    /// The point at which both numbers are zero.
     pub(super) corner: Vector3<R>,
-    /// What each number adds.
+    /// The edge vector for each number.
     pub(super) edges: [Vector3<R>; 2],
-    /// A bound of the absolute error of each coordinate of any point.
+    /// A bound on the absolute error of each coordinate of any point.
     pub error: Vector3<R>,
     /// The unit geometric normal.
     pub normal: Vector3<R>,
-    /// The shading normal, which decides which side sends out light.
+    /// The shading normal, which decides which side emits light.
     pub shading_normal: Vector3<R>,
-    /// The density per area of points: one over the area.
+    /// The density of points per area: one over the area.
     pub pdf: R,
 }
 
@@ -30,7 +30,7 @@ impl<R: Real> Parallelogram<R> {
         self.corner + self.edges[0] * random.x + self.edges[1] * random.y
     }
 
-    /// The same as a point of a light.
+    /// The same as a point on a light.
     #[inline(always)]
     #[must_use]
     pub fn light_point(&self, random: Vector2<R>) -> LightPoint<R> {
@@ -39,14 +39,14 @@ impl<R: Real> Parallelogram<R> {
     }
 }
 
-/// The surface coordinates of a parallelogram.
+/// The texture coordinates of a parallelogram.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coordinates {
     pub(super) corner: Vec2,
     pub(super) edges: [Vec2; 2],
 }
 
-/// A parallelogram with its surface coordinates.
+/// A parallelogram with its texture coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MappedParallelogram {
     pub(super) shape: Parallelogram<f32>,
@@ -85,7 +85,7 @@ impl Parallelogram<f32> {
     }
 }
 
-/// A parallelogram for each lane, side by side in memory.
+/// One parallelogram per lane, stored in columns.
 #[derive(Clone, Debug, Default)]
 pub struct ParallelogramBatch {
     corner: [LaneArray; 3],
@@ -97,7 +97,7 @@ pub struct ParallelogramBatch {
 }
 
 impl ParallelogramBatch {
-    /// Puts a parallelogram in a lane.
+    /// Stores a parallelogram in a lane.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, shape: &Parallelogram<f32>) {
         shape.corner.put(&mut self.corner, lane);

@@ -1,38 +1,39 @@
-//! Points on a glowing mesh, chosen in proportion to the picture that it shows.
+//! Points on a textured light, sampled in proportion to the texture.
 
 use super::{MappedParallelogram, Mesh};
 use crate::interaction::ShapeSample;
 use etendue_sampling::{AliasTable, Distribution2D, warp};
 use glam::{Affine2, Mat2, Vec2};
 
-/// What a glowing mesh shows.
+/// The texture of an emissive mesh.
 #[derive(Clone, Copy)]
 pub struct Glow<'a> {
-    /// The luminance at surface coordinates.
+    /// The luminance at texture coordinates.
     pub luminance: &'a dyn Fn(Vec2) -> f32,
-    /// Columns and rows of the picture over the unit square of surface coordinates.
+    /// Columns and rows of the texture over the unit square of texture coordinates.
     pub resolution: [u32; 2],
 }
 
-/// Every place is chosen with at least this share of the mean density: what a picture shows between
-/// the points that were looked at is never out of reach.
+/// The minimum density at any point, as a fraction of the mean density. It ensures that texture
+/// details between the lookups can still be sampled.
 const FLOOR: f32 = 0.05;
-/// Cells along one side of a parallelogram, at most: a million cells take a few megabytes.
+/// The maximum number of cells along one side of a parallelogram. A million cells take a few
+/// megabytes.
 const MAX_CELLS: f32 = 1024.0;
-/// Looks into one triangle, at most: 16² / 2.
+/// The maximum number of lookups in one triangle: 16² / 2.
 const MAX_STEPS: f32 = 16.0;
 
-/// A parallelogram that shows a picture: points in proportion to it.
+/// A textured parallelogram, with points in proportion to the texture.
 #[derive(Clone, Debug)]
 pub(super) struct Slide {
     sheet: MappedParallelogram,
     distribution: Distribution2D,
-    /// From surface coordinates to places in the parallelogram.
+    /// Maps texture coordinates to positions in the parallelogram.
     to_place: Affine2,
 }
 
 impl Slide {
-    /// `None` where the surface coordinates say nothing about the place, or the picture is black.
+    /// `None` if the texture coordinates do not determine the position, or the texture is black.
     pub(super) fn new(sheet: MappedParallelogram, glow: Glow<'_>) -> Option<Self> {
         let [across, down] = sheet.uv.edges;
         let to_uv = Affine2::from_mat2_translation(Mat2::from_cols(across, down), sheet.uv.corner);
@@ -54,7 +55,7 @@ impl Slide {
         ShapeSample { pdf: sample.pdf * density, ..sample }
     }
 
-    /// The density per area at surface coordinates.
+    /// The density per area at texture coordinates.
     pub(super) fn pdf(&self, uv: Vec2) -> f32 {
         // Rounding may move a point at the edge out of the unit square.
         let place = self.to_place.transform_point2(uv).clamp(Vec2::ZERO, Vec2::ONE);
@@ -62,8 +63,8 @@ impl Slide {
     }
 }
 
-/// The weight of every cell of the unit square: the mean of its corners and its centre, and the
-/// floor.
+/// The weight of every cell of the unit square: the mean of its corners and its centre, plus the
+/// minimum density.
 fn cell_weights((columns, rows): (u32, u32), value: impl Fn(Vec2) -> f32) -> Vec<f32> {
     let cell = Vec2::new(1.0 / columns as f32, 1.0 / rows as f32);
     let corners: Vec<f32> = (0..=rows)
@@ -85,13 +86,13 @@ fn cell_weights((columns, rows): (u32, u32), value: impl Fn(Vec2) -> f32) -> Vec
     weights
 }
 
-/// Adds the floor.
+/// Adds the minimum density.
 fn raise(weights: &mut [f32]) {
     let mean = weights.iter().map(|weight| f64::from(*weight)).sum::<f64>() / weights.len() as f64;
     weights.iter_mut().for_each(|weight| *weight += FLOOR * mean as f32);
 }
 
-/// Triangles that show a picture: a triangle in proportion to its light, then a point in it.
+/// Textured triangles. A triangle is selected by its emitted light, then a point in it.
 #[derive(Clone, Debug)]
 pub(super) struct Mosaic {
     table: AliasTable,
@@ -100,7 +101,7 @@ pub(super) struct Mosaic {
 }
 
 impl Mosaic {
-    /// `None` where the mesh has no surface coordinates, or no light.
+    /// `None` if the mesh has no texture coordinates or emits no light.
     pub(super) fn new(mesh: &Mesh, glow: Glow<'_>) -> Option<Self> {
         if mesh.uvs.is_empty() {
             return None;
@@ -128,7 +129,7 @@ impl Mosaic {
     }
 }
 
-/// The mean luminance over a triangle, from about one look per texel.
+/// The mean luminance over a triangle, with about one lookup per texel.
 fn mean_of_triangle(mesh: &Mesh, triangle: &[u32; 3], glow: Glow<'_>) -> f32 {
     let [a, b, c] = triangle.map(|vertex| mesh.uvs[vertex as usize]);
     let texels = Vec2::new(glow.resolution[0] as f32, glow.resolution[1] as f32);

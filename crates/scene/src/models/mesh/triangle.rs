@@ -1,4 +1,4 @@
-//! Points of triangles, one or several at once.
+//! Points on triangles, one or several at once.
 
 use super::{INTERSECTION_ROUNDINGS, Mesh};
 use crate::interaction::SurfacePoint;
@@ -11,13 +11,13 @@ use glam::Vec3;
 /// The corners of a triangle.
 pub(super) struct Corners<R: Real> {
     pub(super) positions: [Vector3<R>; 3],
-    /// 1 where the front shows the corners counterclockwise, −1 where clockwise.
+    /// 1 if the corners are counterclockwise seen from the front, −1 if clockwise.
     pub(super) orientation: R,
-    /// Whether the corners have normals, and these.
+    /// The corners' normals, and whether they have any.
     pub(super) normals: (R::Mask, [Vector3<R>; 3]),
 }
 
-/// Where a point of a triangle is, and how the surface stands there.
+/// The position of a point on a triangle, and the orientation of the surface there.
 pub(super) struct Place<R> {
     pub(super) point: Vector3<R>,
     pub(super) error: Vector3<R>,
@@ -25,16 +25,16 @@ pub(super) struct Place<R> {
     pub(super) shading_normal: Vector3<R>,
 }
 
-/// A point of a triangle, with what the mesh knows of its corners.
+/// A point on a triangle, with the mesh data of its corners.
 pub(super) struct TrianglePoint<R: Real> {
     pub(super) corners: Corners<R>,
     /// Barycentric coordinates of the second and third corner.
     pub(super) barycentric: Vector2<R>,
-    /// Whether the corners have surface coordinates, and these.
+    /// The corners' texture coordinates, and whether they have any.
     pub(super) uvs: (R::Mask, [Vector2<R>; 3]),
 }
 
-/// Where on a triangle a ray arrives; see [`SurfacePoint`].
+/// Where a ray hits a triangle; see [`SurfacePoint`].
 pub(super) struct TriangleSurface<R> {
     point: Vector3<R>,
     error: Vector3<R>,
@@ -45,7 +45,7 @@ pub(super) struct TriangleSurface<R> {
     dp_dv: Vector3<R>,
 }
 
-/// Surface coordinates, and the position's derivatives by them.
+/// Texture coordinates, and the position's derivatives with respect to them.
 struct Parametrization<R: Real> {
     uv: Vector2<R>,
     /// Whether the derivatives are independent and finite.
@@ -54,7 +54,7 @@ struct Parametrization<R: Real> {
     dp_dv: Vector3<R>,
 }
 
-/// The weights of the corners at barycentric coordinates of the second and the third.
+/// The weights of the corners, from the barycentric coordinates of the second and third.
 #[inline(always)]
 pub(super) fn weights<R: Real>(barycentric: Vector2<R>) -> [R; 3] {
     let Vector2 { x, y } = barycentric;
@@ -74,7 +74,7 @@ impl<R: Real> Corners<R> {
         Place { point, error, normal, shading_normal: self.shading_normal(weights, normal) }
     }
 
-    /// From the first corner to the others.
+    /// The edges from the first corner to the others.
     #[inline(always)]
     fn edges(&self) -> [Vector3<R>; 2] {
         let [a, b, c] = self.positions;
@@ -120,20 +120,21 @@ impl<R: Real> TrianglePoint<R> {
         let inverse = determinant.reciprocal();
         let dp_du = (edges[0] * uv_2.y - edges[1] * uv_1.y) * inverse;
         let dp_dv = (edges[1] * uv_1.x - edges[0] * uv_2.x) * inverse;
-        // Not finite where the determinant is zero, too.
+        // Also not finite if the determinant is zero.
         let regular = mapped & inverse.is_finite() & dp_du.is_finite() & dp_dv.is_finite();
         let uv = Vector2::select(mapped, uv, self.barycentric);
         Parametrization { uv, regular, dp_du, dp_dv }
     }
 }
 
-/// The point of a triangle with barycentric coordinates `weights`, and a bound of its error.
+/// The point of a triangle with barycentric coordinates `weights`, and a bound on its error.
 ///
-/// The bound is that of interpolating three vertices by weights that sum to one: γ₇ times the sum of
-/// the terms' magnitudes (*Physically Based Rendering*, 4th ed., section 6.8.5). To it comes what the
-/// intersection test itself can be wrong by: it works on the vertices as seen from the ray's origin,
-/// and its distance to the plane is rounded in proportion to how far they are. Without this a ray
-/// leaving a floor in the plane y = 0, where the first bound vanishes, hits the floor again.
+/// The bound has two parts. The first is that of interpolating three vertices by weights that sum
+/// to one: γ₇ times the sum of the terms' magnitudes (*Physically Based Rendering*, 4th ed.,
+/// section 6.8.5). The second is the error of the intersection test. The test works on vertices
+/// relative to the ray's origin, so its distance to the plane is rounded in proportion to how far
+/// they are. Without this part, a ray leaving a floor in the plane y = 0, where the first part
+/// vanishes, hits the floor again.
 #[inline(always)]
 fn interpolate<R: Real>([a, b, c]: [Vector3<R>; 3], weights: [R; 3]) -> (Vector3<R>, Vector3<R>) {
     let terms = [a * weights[0], b * weights[1], c * weights[2]];
@@ -159,7 +160,7 @@ impl From<TriangleSurface<f32>> for SurfacePoint {
     }
 }
 
-/// The corners of triangles, one for each lane, side by side in memory.
+/// The corners of triangles, one per lane, stored in columns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CornerBatch {
     positions: [[LaneArray; 3]; 3],
@@ -170,7 +171,7 @@ pub(super) struct CornerBatch {
 }
 
 impl CornerBatch {
-    /// Puts in a lane the corners at these vertices of `mesh`.
+    /// Stores the corners at these vertices of `mesh` in a lane.
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, mesh: &Mesh, vertices: [usize; 3]) {
         for (corner, vertex) in vertices.into_iter().enumerate() {
@@ -187,7 +188,7 @@ impl CornerBatch {
         self.orientation.0[lane] = mesh.orientation;
     }
 
-    /// The corners, from the lane `first` on.
+    /// The corners, starting at lane `first`.
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, first: usize) -> Corners<Lanes<S>> {
         let smooth = LaneMask::from_bits(simd, self.smooth >> first);
@@ -199,27 +200,27 @@ impl CornerBatch {
     }
 }
 
-/// Points of triangles, one for each lane, side by side in memory.
+/// Points on triangles, one per lane, stored in columns.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleBatch {
     corners: CornerBatch,
     uvs: [[LaneArray; 2]; 3],
     barycentric: [LaneArray; 2],
-    /// The directions of the rays that arrive.
+    /// The directions of the incoming rays.
     directions: [LaneArray; 3],
-    /// A bit for each lane whose corners have surface coordinates.
+    /// A bit for each lane whose corners have texture coordinates.
     mapped: u32,
 }
 
 impl TriangleBatch {
-    /// The directions of the rays that arrive, in the lanes from `first` on.
+    /// The directions of the incoming rays, starting at lane `first`.
     #[inline(always)]
     #[must_use]
     pub fn directions<S: Simd>(&self, simd: S, first: usize) -> Vector3<Lanes<S>> {
         Vector3::load(simd, &self.directions, first)
     }
 
-    /// Puts in a lane where a ray of this direction has met a triangle of `mesh`.
+    /// Stores in a lane where a ray with this direction hit a triangle of `mesh`.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, mesh: &Mesh, hit: &Hit, direction: Vec3) {
         let vertices = mesh.indices[hit.primitive as usize].map(|vertex| vertex as usize);
@@ -238,7 +239,7 @@ impl TriangleBatch {
         Vector3::from(direction).put(&mut self.directions, lane);
     }
 
-    /// The surfaces, from the lane `first` on.
+    /// The surfaces, starting at lane `first`.
     #[inline(always)]
     #[must_use]
     pub fn surfaces<S: Simd>(&self, simd: S, first: usize) -> SurfaceLanes<Lanes<S>> {
