@@ -1,4 +1,4 @@
-//! Several hits at once, whatever their plugins: closures and lights side by side in columns.
+//! Several hits at once, of any plugins: closures and lights in columns.
 
 mod closures;
 mod light_batch;

@@ -1,4 +1,4 @@
-//! Document → scene: the way from typed parameters to plugins.
+//! Builds a scene from a document: typed parameters become plugins.
 
 mod assets;
 mod attributes;
@@ -36,8 +36,8 @@ use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A scene that no longer needs its document and lacks the tree over everything. What takes most
-/// memory to read and what takes most to build need not be there at the same time.
+/// A scene without its tree, which no longer needs its document. Separate steps keep the peak
+/// memory of reading and of building the tree apart.
 #[derive(Debug)]
 pub struct GatheredScene {
     parts: Parts,
@@ -45,15 +45,15 @@ pub struct GatheredScene {
 }
 
 impl GatheredScene {
-    /// Builds the tree. Errors go to `diagnostics`; `None` where there was one.
+    /// Builds the tree. Errors go to `diagnostics`; `None` if there are any.
     #[must_use]
     pub fn build(self, diagnostics: &Diagnostics) -> Option<Scene> {
         Scene::new(self.parts, self.cache.as_deref(), diagnostics)
     }
 }
 
-/// Builds the frozen scene of a document, in one step. Errors and warnings go to `diagnostics`; `None`
-/// where there was an error. Files are read through `resources`, several at once.
+/// Builds the frozen scene of a document in one step. Errors and warnings go to `diagnostics`;
+/// `None` if there are errors. Files are read through `resources` in parallel.
 #[must_use]
 pub fn build_scene(
     document: &Document,
@@ -65,8 +65,8 @@ pub fn build_scene(
     gather_scene(&input, diagnostics, options)?.build(diagnostics)
 }
 
-/// Builds everything of the scene of a document but the tree over it. Errors and warnings go to
-/// `diagnostics`; `None` where there was an error.
+/// Builds the scene of a document without its tree. Errors and warnings go to `diagnostics`; `None`
+/// if there are errors.
 #[must_use]
 pub fn gather_scene(
     input: &SceneInput<'_>,
@@ -98,9 +98,9 @@ pub fn gather_scene(
     Some(GatheredScene { parts, cache: input.cache.cloned() })
 }
 
-/// Builds plugins from document nodes. Nodes that several others refer to are built once.
+/// Builds plugins from document nodes. Shared nodes are built once.
 pub struct Builder<'a> {
-    /// Documents, bytes, and where findings go.
+    /// The document, its files, and the diagnostics.
     pub assets: &'a Assets<'a>,
     /// The materials so far.
     pub materials: Vec<Material>,
@@ -108,9 +108,9 @@ pub struct Builder<'a> {
     pub textures: Vec<Texture>,
     /// The media so far.
     pub media: Vec<Medium>,
-    /// What the rough coats of materials let through.
+    /// The tables of rough coats.
     pub(crate) coats: CoatTables,
-    /// How often each emitter is sampled, relative to the others.
+    /// The sampling weight of each emitter, relative to the others.
     emitter_weights: Vec<f32>,
     options: &'a BuildOptions,
     materials_built: HashMap<NodeId, Option<MaterialId>>,
@@ -120,12 +120,12 @@ pub struct Builder<'a> {
     phases_built: HashMap<NodeId, Option<PhaseFunction>>,
     volumes_built: HashMap<NodeId, Option<Volume>>,
     default_material: Option<MaterialId>,
-    /// Whether any texture reads the attributes of meshes.
+    /// Whether any texture reads mesh attributes.
     has_attribute_textures: bool,
 }
 
 impl<'a> Builder<'a> {
-    /// A builder that has built nothing.
+    /// An empty builder.
     #[must_use]
     pub fn new(assets: &'a Assets<'a>, options: &'a BuildOptions) -> Self {
         Self {
@@ -157,7 +157,7 @@ impl<'a> Builder<'a> {
         self.assets.document.parameters(node, self.assets.diagnostics)
     }
 
-    /// The material of a `bsdf` node; `None` after reporting why there is none.
+    /// The material of a `bsdf` node; `None` after an error has been reported.
     pub fn material(&mut self, node: NodeId) -> Option<MaterialId> {
         if let Some(built) = self.materials_built.get(&node) {
             return *built;
@@ -184,7 +184,7 @@ impl<'a> Builder<'a> {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// What a shape without a material is made of: grey, diffuse.
+    /// The material of shapes without one: grey, diffuse.
     fn default_material(&mut self) -> MaterialId {
         if let Some(id) = self.default_material {
             return id;
@@ -194,7 +194,7 @@ impl<'a> Builder<'a> {
         id
     }
 
-    /// The texture of a `texture` node; `None` after reporting why there is none.
+    /// The texture of a `texture` node; `None` after an error has been reported.
     pub fn texture(&mut self, node: NodeId) -> Option<TextureId> {
         if let Some(built) = self.textures_built.get(&node) {
             return *built;
@@ -221,7 +221,7 @@ impl<'a> Builder<'a> {
         TextureId(self.textures.len() as u32 - 1)
     }
 
-    /// The first texture child that has no name, or a name nobody asked for.
+    /// The first texture child that is unnamed, or whose name no parameter used.
     pub fn unnamed_texture(&mut self, parameters: &Parameters<'_>) -> Option<TextureId> {
         let child = parameters.unnamed_child(Class::Texture)?;
         self.texture(child.node)
@@ -240,7 +240,7 @@ impl<'a> Builder<'a> {
         emitters
     }
 
-    /// The sensors of the scene, then those of its shapes.
+    /// The sensors of the scene, followed by those of its shapes.
     fn sensors(&mut self, root: &Parameters<'_>, of_shapes: Vec<SensorSetup>) -> Vec<SensorSetup> {
         let children = root.children_of(Class::Sensor);
         if children.is_empty() && of_shapes.is_empty() && !root.is_incomplete() {
@@ -259,7 +259,7 @@ impl<'a> Builder<'a> {
         let film = self.film(&parameters);
         let sampler = crate::sampler::build_child(&parameters);
         let medium = self.medium_around(&parameters);
-        // Mistakes of the sensor are found even where its film has some.
+        // Report errors of the sensor even if its film has errors as well.
         let some_film = film.clone().unwrap_or_default();
         let sensor = match shape {
             Some(shape) => find(SHAPE_SENSORS, &parameters)?(&parameters, &some_film, shape)?,
@@ -270,7 +270,7 @@ impl<'a> Builder<'a> {
         Some(SensorSetup { id, sensor, film: film?, sampler: sampler?, medium })
     }
 
-    /// A sensor that shares the film of another one; its own film and sampler do not count.
+    /// A sensor on the film of another one. Its own film and sampler are ignored.
     pub(crate) fn sensor_on(&mut self, node: NodeId, film: &FilmSpec) -> Option<Sensor> {
         let parameters = self.parameters(node);
         let _ = self.film(&parameters);
@@ -308,8 +308,8 @@ impl<'a> Builder<'a> {
         Some(film)
     }
 
-    /// Says which integrators are left out. The one that counts is not built here: another layer
-    /// knows how light is computed.
+    /// Warns about superfluous integrators. The first one is built elsewhere, because this crate
+    /// does not know how light is computed.
     fn check_integrators(&self, root: &Parameters<'_>) {
         for child in root.children_of(Class::Integrator).into_iter().skip(1) {
             let message = "a scene has one integrator: this one is left out";
@@ -317,8 +317,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Builds what stands at the top of the scene only to be referred to, so that mistakes in it are
-    /// found even where nothing uses it.
+    /// Builds the top-level nodes that others may refer to. This reports errors in them even if
+    /// nothing uses them.
     fn unused_nodes(&mut self, root: &Parameters<'_>) {
         for child in root.children_of(Class::Bsdf) {
             let _ = self.material(child.node);

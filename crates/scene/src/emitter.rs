@@ -1,11 +1,11 @@
-//! Emitters: where light comes from.
+//! Emitters: the sources of light.
 //!
 //! # Contract
-//! - [`Emitter::sample_direction`] chooses, seen from a point, where light may come from; its `pdf` is
-//!   in solid angle at that point, and 1 for emitters that a ray cannot hit by chance (delta).
-//! - [`Emitter::pdf_direction`] is the density with which that would choose a given direction, for
-//!   rays that have found the emitter by other means.
-//! - Radiance is not divided by the density, and visibility is the caller's business.
+//! - [`Emitter::sample_direction`] samples a direction from which light may reach a given point.
+//!   Its `pdf` is in solid angle at that point, or 1 for delta emitters, which rays cannot hit.
+//! - [`Emitter::pdf_direction`] is the density with which it samples a given direction. It serves
+//!   rays that found the emitter in another way.
+//! - Radiance is not divided by the density. Visibility is left to the caller.
 
 pub mod area;
 pub mod constant;
@@ -37,8 +37,8 @@ use etendue_spectrum::Spectrum;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// The list of emitters: one line is one plugin, its XML `type`, which is its module as well, and what
-/// the scene holds of it, which is a [`Light`]. Those of `shapes` are nested in a shape.
+/// The list of emitters, one line per plugin: its XML `type`, which is also its module, and the
+/// [`Light`] that the scene stores. Those of `shapes` are nested in a shape.
 macro_rules! emitter_list {
     ($macro:ident) => {
         $macro! {
@@ -59,7 +59,7 @@ macro_rules! emitter_list {
     };
 }
 
-/// What emitters ask of the scene that they shine in.
+/// The scene as its emitters see it.
 pub trait SceneView {
     /// A shape.
     fn shape(&self, id: ShapeId) -> &Shape;
@@ -67,13 +67,13 @@ pub trait SceneView {
     /// All textures.
     fn textures(&self) -> Textures<'_>;
 
-    /// The box around everything.
+    /// The bounds of the scene.
     fn bounds(&self) -> Bounds3;
 }
 
-/// What an emitter plugin computes; see the module's contract.
+/// The interface of an emitter plugin; see the module's contract.
 pub(crate) trait Light {
-    /// Whether rays that leave the scene find this emitter; not where it is within the scene.
+    /// Whether rays that leave the scene find this emitter. False for emitters within the scene.
     fn is_environment(&self) -> bool {
         false
     }
@@ -86,7 +86,7 @@ pub(crate) trait Light {
         random: Vec2,
     ) -> Option<DirectionSample>;
 
-    /// See [`Emitter::pdf_direction`]; zero for emitters that no ray finds by chance.
+    /// See [`Emitter::pdf_direction`]; zero for emitters that rays cannot hit.
     fn pdf_direction(
         &self,
         _scene: &impl SceneView,
@@ -97,12 +97,12 @@ pub(crate) trait Light {
         0.0
     }
 
-    /// See [`Emitter::surface_radiance`]; none for emitters without a shape.
+    /// See [`Emitter::surface_radiance`]; zero for emitters without a shape.
     fn surface_radiance(&self, _scene: &impl SceneView, _surface: &SurfaceInteraction) -> Spectrum {
         Spectrum::ZERO
     }
 
-    /// See [`Emitter::distant_radiance`]; none for emitters within the scene.
+    /// See [`Emitter::distant_radiance`]; zero for emitters within the scene.
     fn distant_radiance(&self, _direction: Vec3) -> Spectrum {
         Spectrum::ZERO
     }
@@ -111,13 +111,13 @@ pub(crate) trait Light {
     fn sample_ray(&self, scene: &impl SceneView, place: Vec2, direction: Vec2)
     -> Option<RaySample>;
 
-    /// How several paths sample this emitter at once; one after the other unless it says otherwise.
+    /// How lanes sample this emitter; one by one by default.
     fn in_lanes(&self, _shapes: &[Shape]) -> LaneEmitter {
         LaneEmitter::Single
     }
 }
 
-/// Makes the enum of emitters, its dispatch and the registry from the list.
+/// Generates the enum of emitters, its dispatch and the registry from the list.
 macro_rules! emitters {
     (
         free { $($module:ident => $name:ident($type:ty);)* }
@@ -131,14 +131,14 @@ macro_rules! emitters {
             $nested($nested_type),)*
         }
 
-        /// Every emitter that stands alone.
+        /// All emitters that are not nested in a shape.
         pub static EMITTERS: &[Plugin<BuildEmitter>] = &[
             $(plugin(stringify!($module), &$module::MANUAL, |builder, parameters| {
                 $module::build(builder, parameters).map(|light| Emitter::$name(light.into()))
             }),)*
         ];
 
-        /// Every emitter that is nested in a shape.
+        /// All emitters that are nested in a shape.
         pub static SHAPE_EMITTERS: &[Plugin<BuildShapeEmitter>] = &[
             $(plugin(stringify!($nested_module), &$nested_module::MANUAL, |builder, parameters, shape| {
                 Emitter::$nested($nested_module::build(builder, parameters, shape))
@@ -173,7 +173,7 @@ pub(crate) use emitter_list;
 
 emitter_list!(emitters);
 
-/// Builds an emitter that stands alone.
+/// Builds an emitter that is not nested in a shape.
 pub type BuildEmitter = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Emitter>;
 /// Builds the emitter of a shape.
 pub type BuildShapeEmitter = fn(&mut Builder<'_>, &Parameters<'_>, ShapeId) -> Emitter;
@@ -185,24 +185,24 @@ pub(crate) const SAMPLING_WEIGHT: ParameterManual = parameter(
     "How often the light is sampled, relative to the others; at 0 only rays that happen to hit it find it.",
 );
 
-/// Reads how often an emitter is sampled, relative to the others.
+/// Reads the sampling weight of an emitter, relative to the others.
 pub(crate) fn read_sampling_weight(parameters: &Parameters<'_>) -> f32 {
     parameters.float_in("sampling_weight", 1.0, 0.0..=1e6) as f32
 }
 
-/// Where a shadow ray goes.
+/// The end of a shadow ray.
 #[derive(Clone, Copy, Debug)]
 pub enum Target {
-    /// To a point, on a surface with this normal or free in space (zero normal).
+    /// A point, on a surface with this normal or free in space (zero normal).
     Point {
         /// The point.
         point: Vec3,
-        /// A bound of the absolute error of each coordinate of `point`.
+        /// A bound on the absolute error of each coordinate of `point`.
         error: Vec3,
         /// The unit geometric normal, or zero.
         normal: Vec3,
     },
-    /// To infinity.
+    /// Infinity.
     Afar,
 }
 
@@ -211,41 +211,40 @@ pub enum Target {
 pub struct DirectionSample {
     /// The unit direction from the reference point towards the light.
     pub direction: Vec3,
-    /// Radiance that would arrive if nothing stood between; for delta emitters, irradiance on a
-    /// surface facing the light.
+    /// The unoccluded radiance; for delta emitters, irradiance on a surface that faces the light.
     pub radiance: Spectrum,
     /// The density in solid angle; 1 for delta emitters.
     pub pdf: f32,
-    /// Whether only this technique can find the light.
+    /// Whether only emitter sampling can find the light.
     pub delta: bool,
-    /// Where the shadow ray goes.
+    /// The end of the shadow ray.
     pub target: Target,
 }
 
-/// A ray that carries light away from an emitter.
+/// A ray that leaves an emitter.
 #[derive(Clone, Copy, Debug)]
 pub struct RaySample {
-    /// Where the light goes; its direction is unit.
+    /// The path of the light; its direction is unit.
     pub ray: Ray,
-    /// The power that it carries: radiance times cosine over the density of the ray.
+    /// The power of the ray: radiance times cosine, divided by its density.
     pub power: Spectrum,
 }
 
-/// What several paths at once can sample of an emitter.
+/// What lanes can sample of an emitter.
 #[derive(Debug)]
 pub(crate) enum LaneEmitter {
-    /// A flat light of even radiance.
+    /// A parallelogram of constant radiance.
     Parallelogram(ParallelogramLight<f32>),
-    /// The same radiance from everywhere afar.
+    /// An environment of constant radiance.
     ConstantEnvironment(Spectrum),
-    /// A mesh of even radiance, whose triangles are chosen by their area.
+    /// A mesh of constant radiance, whose triangles are sampled by area.
     Mesh(ShapeId, Spectrum),
-    /// Nothing: it is sampled for one path after another.
+    /// Nothing: the emitter is sampled one lane at a time.
     Single,
 }
 
 impl DirectionSample {
-    /// What is left of the way to the light from a point on it; the ray's direction is unit.
+    /// The rest of the way to the light from a point on it; the ray's direction is unit.
     #[inline]
     #[must_use]
     pub fn shadow_ray_from(&self, origin: Vec3) -> Ray {
@@ -256,7 +255,7 @@ impl DirectionSample {
                 let path = target - origin;
                 let length = path.length();
                 if path.dot(self.direction) <= 0.0 {
-                    // The light has been passed.
+                    // The point lies beyond the light.
                     return Ray::segment(origin, self.direction, 0.0);
                 }
                 Ray::segment(origin, path / length, length * SHADOW_RAY_LENGTH)
@@ -264,7 +263,7 @@ impl DirectionSample {
         }
     }
 
-    /// The ray that must be free for the light to arrive at a surface.
+    /// The shadow ray from a surface to the light.
     #[inline(always)]
     #[must_use]
     pub fn shadow_ray(&self, surface: &SurfaceInteraction) -> Ray {
@@ -281,7 +280,7 @@ impl DirectionSample {
 }
 
 impl Emitter {
-    /// Chooses where light may come from, seen from `reference`; `None` where none can.
+    /// Samples a direction from which light may reach `reference`; `None` if there is none.
     #[inline(always)]
     #[must_use]
     pub fn sample_direction(
@@ -293,8 +292,8 @@ impl Emitter {
         with_light!(self, light => light.sample_direction(scene, reference, random))
     }
 
-    /// The density in solid angle with which [`Self::sample_direction`] would choose `direction`.
-    /// `surface` is where the emitter's shape was hit, if it has one.
+    /// The density in solid angle with which [`Self::sample_direction`] samples `direction`.
+    /// `surface` is the hit on the emitter's shape, if it has one.
     #[inline]
     #[must_use]
     pub fn pdf_direction(
@@ -307,7 +306,7 @@ impl Emitter {
         with_light!(self, light => light.pdf_direction(scene, reference, direction, surface))
     }
 
-    /// The radiance that leaves a point of the emitter's shape towards `surface.wi`.
+    /// The radiance from a point of the emitter's shape towards `surface.wi`.
     #[inline]
     #[must_use]
     pub fn surface_radiance(
@@ -318,18 +317,18 @@ impl Emitter {
         with_light!(self, light => light.surface_radiance(scene, surface))
     }
 
-    /// The radiance that arrives from afar in the world direction `direction` (pointing outwards).
+    /// The radiance from infinity in the world direction `direction` (pointing outwards).
     #[inline]
     #[must_use]
     pub fn distant_radiance(&self, direction: Vec3) -> Spectrum {
         with_light!(self, light => light.distant_radiance(direction))
     }
 
-    /// Chooses a ray that leaves the emitter, from two numbers for its place and two for its
-    /// direction; `None` where no light goes.
+    /// Samples a ray that leaves the emitter, from two random numbers for its origin and two for
+    /// its direction; `None` if it carries no light.
     ///
-    /// The mean of the powers is all that the emitter sends out; from afar, all that enters the
-    /// sphere around the scene.
+    /// The expected power is the total power of the emitter. For emitters at infinity, it is the
+    /// power that enters the bounding sphere of the scene.
     #[must_use]
     pub fn sample_ray(
         &self,
@@ -346,17 +345,18 @@ impl Emitter {
         with_light!(self, light => light.is_environment())
     }
 
-    /// How several paths sample this emitter at once.
+    /// How lanes sample this emitter.
     pub(crate) fn in_lanes(&self, shapes: &[Shape]) -> LaneEmitter {
         with_light!(self, light => light.in_lanes(shapes))
     }
 }
 
-/// Rays from afar start this far beyond the sphere around the scene, in radii.
+/// Rays from infinity start on a bounding sphere enlarged by this factor.
 const MARGIN: f32 = 1.0 + 1e-3;
 
-/// A ray from the direction `towards_light`, through the disk that the sphere around the scene shows
-/// it; `irradiance` is what a surface that faces it gets, over the density of the direction.
+/// A ray that arrives from the direction `towards_light` through a disk as large as the bounding
+/// sphere of the scene. `irradiance` is that of a surface facing the light, divided by the density
+/// of the direction.
 pub(crate) fn ray_from_afar(
     scene: &impl SceneView,
     towards_light: Vec3,
@@ -377,7 +377,7 @@ pub(crate) fn ray_from_afar(
         .then_some(RaySample { ray: Ray::new(origin, -towards_light), power })
 }
 
-/// A ray from an emitter that looks the same from everywhere, in a direction that it samples.
+/// A ray from an emitter that looks the same from every point, in a direction that it samples.
 fn sample_ray_from_afar(
     light: &impl Light,
     scene: &impl SceneView,

@@ -1,9 +1,10 @@
-//! Films: how large the picture is, which part is rendered, with which filter, and how it is written.
+//! Films: the size of the image, its crop, its filter, and its file format.
 //!
 //! # Contract
-//! - Pixels are counted from the left and from the top. The centre of the first is at (0.5, 0.5).
-//! - The [`CropWindow`] lies inside the film and is never empty. Sensors see the whole film: a crop
-//!   shows the same picture as the whole, cut out.
+//! - Pixels are counted from the left and from the top. The centre of the first pixel is (0.5,
+//!   0.5).
+//! - The [`CropWindow`] lies inside the film and is never empty. Sensors always see the whole film:
+//!   a crop shows the same image as the whole film, cut out.
 
 pub mod hdrfilm;
 pub mod ldrfilm;
@@ -19,18 +20,18 @@ use glam::UVec2;
 /// Builds a film.
 pub type BuildFilm = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<FilmSpec>;
 
-/// Every film: one line is one plugin. All build a [`FilmSpec`].
+/// The list of films, one line per plugin. All build a [`FilmSpec`].
 pub static FILMS: &[Plugin<BuildFilm>] = &[
     plugin("hdrfilm", &hdrfilm::MANUAL, hdrfilm::build),
     plugin("ldrfilm", &ldrfilm::MANUAL, ldrfilm::build),
 ];
 
-/// Pixels along each side of a film. Beyond, positions in single precision get too coarse.
+/// The most pixels along a side of a film. Positions in single precision get too coarse beyond.
 const MAX_SIDE: i64 = 1 << 17;
-/// Pixels that are rendered at once: 16384².
+/// The most pixels in a render: 16384².
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// What the picture is to be.
+/// The settings of the image.
 #[derive(Clone, Debug)]
 pub struct FilmSpec {
     /// Width of the whole film in pixels.
@@ -39,15 +40,15 @@ pub struct FilmSpec {
     pub height: u32,
     /// The part that is rendered.
     pub crop: CropWindow,
-    /// How samples count for pixels.
+    /// The reconstruction filter.
     pub filter: ReconstructionFilter,
     /// The channels that are written.
     pub pixel_format: PixelFormat,
-    /// The numbers in an OpenEXR file.
+    /// The number format of an OpenEXR file.
     pub component_format: ExrPrecision,
-    /// The file that is written.
+    /// The file format.
     pub file_format: FileFormat,
-    /// How the picture is exposed where the file cannot hold an unbounded range.
+    /// The tone mapping for files with a bounded range.
     pub display: Display,
 }
 
@@ -64,7 +65,7 @@ pub struct CropWindow {
     pub height: u32,
 }
 
-/// Which channels a picture has.
+/// The channels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelFormat {
     /// Luminance.
@@ -81,24 +82,24 @@ pub enum PixelFormat {
     Xyza,
 }
 
-/// How linear values become those of a display.
+/// Maps linear values to a display.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
-    /// Exposure in stops: one more doubles all values.
+    /// Exposure in stops: each stop doubles all values.
     pub exposure: f32,
-    /// How the range is compressed after that.
+    /// The curve that compresses the range after exposure.
     pub tone_map: ToneMap,
 }
 
 impl Default for FilmSpec {
-    /// What a scene without a film is rendered to: the default `hdrfilm`.
+    /// The film of a scene without one: the default `hdrfilm`.
     fn default() -> Self {
         Self::new(UVec2::new(DEFAULT_SIZE[0] as u32, DEFAULT_SIZE[1] as u32))
     }
 }
 
 impl FilmSpec {
-    /// A whole film, of at least one pixel, with everything else as in the default `hdrfilm`.
+    /// A whole film of at least one pixel, otherwise like the default `hdrfilm`.
     #[must_use]
     pub fn new(size: UVec2) -> Self {
         let size = size.max(UVec2::ONE);
@@ -114,16 +115,16 @@ impl FilmSpec {
         }
     }
 
-    /// Changes the size of the whole film. A crop keeps its share of it, rounded outwards.
+    /// Changes the size of the whole film. A crop scales with it, rounded outwards.
     ///
     /// # Errors
-    /// If the film would be empty or larger than the limits allow; it stays as it was.
+    /// If the film would be empty or larger than the limits allow. The film is then unchanged.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), String> {
         let scaled = |start: u32, length: u32, old: u32, new: u32| {
             let scale = |edge: u64| edge * u64::from(new);
             let low = scale(u64::from(start)) / u64::from(old);
             let high = scale(u64::from(start) + u64::from(length)).div_ceil(u64::from(old));
-            // At most `new`, which is 32 bits wide.
+            // At most `new`, which fits into 32 bits.
             (low as u32, (high - low) as u32)
         };
         let [width, height] = size;
@@ -138,7 +139,8 @@ impl FilmSpec {
     /// Changes the part that is rendered: x, y, width and height.
     ///
     /// # Errors
-    /// If it is empty, not inside the film or larger than the limits allow; it stays as it was.
+    /// If it is empty, not inside the film or larger than the limits allow. The film is then
+    /// unchanged.
     pub fn set_crop(&mut self, [x, y, width, height]: [u32; 4]) -> Result<(), String> {
         let crop = CropWindow { x, y, width, height };
         check_size([self.width, self.height], crop).map_err(|(_, problem)| problem)?;
@@ -160,7 +162,7 @@ impl PixelFormat {
         matches!(self, Self::LuminanceAlpha | Self::Rgba | Self::Xyza)
     }
 
-    /// The same without alpha.
+    /// The same format without alpha.
     #[must_use]
     pub fn without_alpha(self) -> Self {
         match self {
@@ -172,7 +174,7 @@ impl PixelFormat {
     }
 }
 
-/// Width and height where the scene does not say.
+/// The default width and height.
 const DEFAULT_SIZE: [i64; 2] = [768, 576];
 
 const WIDTH: ParameterManual = parameter("width", "integer", "768", "Width in pixels.");
@@ -199,7 +201,7 @@ const BANNER: ParameterManual =
 const FILTER: ParameterManual =
     parameter("(nested)", "rfilter", "gaussian", "The reconstruction filter.");
 
-/// Reads what all films have in common.
+/// Reads the settings that all films have.
 fn read_common(parameters: &Parameters<'_>) -> Option<FilmSpec> {
     for without_effect in ["sample_border", "high_quality_edges", "banner"] {
         parameters.optional_boolean(without_effect);
@@ -229,7 +231,7 @@ fn read_side(parameters: &Parameters<'_>, name: &str, default: i64) -> Option<u3
     checked.ok()
 }
 
-/// Whether a film may be that wide or high.
+/// Whether a film may have this width or height.
 fn check_side(name: &str, side: i64) -> Result<u32, (Fault, String)> {
     if side > MAX_SIDE {
         let problem = format!("a {name} of {side} pixels is more than the limit of {MAX_SIDE}");
@@ -243,7 +245,7 @@ fn check_side(name: &str, side: i64) -> Result<u32, (Fault, String)> {
     Ok(side as u32)
 }
 
-/// Whether a film may have that size and that crop.
+/// Whether a film may have this size and crop.
 fn check_size([width, height]: [u32; 2], crop: CropWindow) -> Result<(), (Fault, String)> {
     check_side("width", i64::from(width))?;
     check_side("height", i64::from(height))?;
@@ -265,7 +267,7 @@ fn check_size([width, height]: [u32; 2], crop: CropWindow) -> Result<(), (Fault,
     Ok(())
 }
 
-/// Reads start and size of the crop along one axis of a film with `side` pixels.
+/// Reads the start and size of the crop along one axis of a film with `side` pixels.
 fn read_crop(parameters: &Parameters<'_>, names: [&str; 2], side: u32) -> Option<(u32, u32)> {
     let [offset_name, size_name] = names;
     let offset = parameters.integer(offset_name, 0);
@@ -285,7 +287,7 @@ fn read_crop(parameters: &Parameters<'_>, names: [&str; 2], side: u32) -> Option
     Some((side - rest, u32::try_from(size).ok()?))
 }
 
-/// As [`Parameters::choice`], but the case of letters does not matter.
+/// [`Parameters::choice`] without regard to case.
 fn keyword<T: Copy>(
     parameters: &Parameters<'_>,
     name: &str,
@@ -310,7 +312,7 @@ mod tests {
         TestNode::new(Class::Film, "hdrfilm")
     }
 
-    /// The faults found while building a film that cannot be built.
+    /// The faults of building an invalid film.
     fn faults(node: &TestNode) -> Vec<Fault> {
         assert!(node.build(build).is_none(), "{:?}", node.findings());
         node.findings().iter().map(|found| found.fault).collect()

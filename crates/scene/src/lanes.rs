@@ -1,5 +1,5 @@
-//! What plugins compute for several paths at once: values over any
-//! [`Real`](etendue_math::lanes::Real), one for each lane.
+//! The computations of plugins for several paths at once: values over any
+//! [`Real`](etendue_math::lanes::Real), one per lane.
 
 mod closure;
 mod light;

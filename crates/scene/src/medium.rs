@@ -1,11 +1,11 @@
-//! Participating media: what fills the space between surfaces.
+//! Participating media, which fill the space between surfaces.
 //!
 //! # Contract
-//! - Coefficients are per unit of length in the world. The extinction σt is what absorption and
-//!   scattering take together; the albedo is the share of it that is scattered: σs = albedo · σt.
-//! - A shape's `interior` and `exterior` are the media on the side its normals point away from and
-//!   on the side they point to. A path that crosses such a shape is in the medium of the side that
-//!   it goes on to; no other shape changes its medium.
+//! - Coefficients are per unit of length in world space. The extinction σt is the sum of absorption
+//!   and scattering. The albedo is the scattered fraction: σs = albedo · σt.
+//! - A shape's `interior` is the medium on the side opposite to its normals; `exterior` is the
+//!   medium on the side of its normals. A path that crosses such a shape continues in the medium of
+//!   the side it enters. No other shape changes its medium.
 
 pub mod heterogeneous;
 pub mod homogeneous;
@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// Builds a medium.
 pub type BuildMedium = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<Medium>;
 
-/// Every medium: one line is one plugin, whose spread in space is a [`Density`].
+/// The list of media, one line per plugin. The spatial distribution of each is a [`Density`].
 pub static MEDIA: &[Plugin<BuildMedium>] = &[
     plugin("heterogeneous", &heterogeneous::MANUAL, heterogeneous::build),
     plugin("homogeneous", &homogeneous::MANUAL, homogeneous::build),
@@ -39,34 +39,34 @@ pub static MEDIA: &[Plugin<BuildMedium>] = &[
 /// A medium of the scene.
 #[derive(Clone, Debug)]
 pub struct Medium {
-    /// What there is of it, and where.
+    /// Its spatial distribution.
     pub density: Density,
-    /// How it scatters light.
+    /// Its phase function.
     pub phase: PhaseFunction,
-    /// Whether points of scattering sample emitters. Behind glass that is of no use, as no emitter can be
-    /// reached in a straight line.
+    /// Whether points of scattering sample emitters. This is of no use behind glass, which no
+    /// straight path to an emitter can cross.
     pub sample_emitters: bool,
 }
 
-/// How a medium is spread in space.
+/// The spatial distribution of a medium.
 #[derive(Clone, Debug)]
 pub enum Density {
     /// The same everywhere.
     Homogeneous(Homogeneous),
-    /// Different from place to place.
+    /// Varies from point to point.
     Heterogeneous(Box<Heterogeneous>),
 }
 
 /// The media on both sides of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MediumInterface {
-    /// On the side that the shape's normals point away from.
+    /// On the side opposite to the shape's normals.
     pub interior: Option<MediumId>,
-    /// On the side that the shape's normals point to.
+    /// On the side of the shape's normals.
     pub exterior: Option<MediumId>,
 }
 
-/// What a medium does to light at a place, for one direction.
+/// The coefficients of a medium at a point, for one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients {
     /// σt.
@@ -76,8 +76,8 @@ pub struct Coefficients {
 }
 
 impl MediumInterface {
-    /// The medium that a path is in when it leaves a surface with the geometric normal `normal`
-    /// towards `direction`.
+    /// The medium of a path that leaves a surface with the geometric normal `normal` towards
+    /// `direction`.
     #[inline]
     #[must_use]
     pub fn towards(&self, normal: Vec3, direction: Vec3) -> Option<MediumId> {
@@ -102,7 +102,7 @@ const PHASE: ParameterManual =
     parameter("(nested)", "phase", "isotropic", "How the medium scatters light.");
 
 impl Medium {
-    /// What there is for light on its way from `site.wi`.
+    /// The coefficients for light that arrives from `site.wi`.
     #[inline]
     #[must_use]
     pub fn coefficients(&self, site: &MediumInteraction) -> Coefficients {
@@ -117,8 +117,7 @@ impl Medium {
         Coefficients { extinction, scattering: extinction * albedo }
     }
 
-    /// Bytes of memory held beside the medium itself, but for its grids, which others may hold as
-    /// well.
+    /// Bytes of memory beyond the struct itself. Excludes grids, which may be shared.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         match &self.density {
@@ -127,7 +126,7 @@ impl Medium {
         }
     }
 
-    /// Adds the grids that the medium is made of.
+    /// Appends the grids of the medium.
     pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
         match &self.density {
             Density::Homogeneous(medium) => {
@@ -141,7 +140,7 @@ impl Medium {
     }
 }
 
-/// What both kinds of media read alike.
+/// The parameters that both kinds of media have.
 struct Common {
     albedo: Volume,
     scale: f32,
@@ -149,7 +148,7 @@ struct Common {
     sample_emitters: bool,
 }
 
-/// The most that coefficients may be multiplied by.
+/// The greatest `scale` of coefficients.
 const MAX_SCALE: f64 = 1e18;
 
 impl Common {
@@ -172,7 +171,7 @@ impl Common {
     }
 }
 
-/// The nested phase function, or the same in all directions.
+/// The nested phase function, or the isotropic one.
 fn read_phase(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<PhaseFunction> {
     let children = parameters.children_of(Class::Phase);
     if let [_, second, ..] = children.as_slice() {
@@ -185,7 +184,7 @@ fn read_phase(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<
     }
 }
 
-/// The extinction, whose values have been checked; `None` after reporting what is wrong.
+/// The extinction, with checked values; `None` after an error has been reported.
 fn read_extinction(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Volume> {
     let volume = builder.volume_or_color(parameters, "sigma_t", 1.0, SpectrumUse::Unbounded)?;
     if volume.range()[0] < 0.0 {

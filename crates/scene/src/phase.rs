@@ -1,11 +1,12 @@
 //! Phase functions: how media scatter light.
 //!
 //! # Contract
-//! - `wi` and `wo` are unit, in world space, and point away from the place of scattering; `wi` is
-//!   where the path comes from. Light that goes straight on has `wo` = −`wi`.
-//! - The value of a phase function is its density in solid angle: it integrates to one, and sampling
-//!   follows it exactly, so that samples carry no weight.
-//! - [`PhaseFunction::sample`] uses one number to choose among parts and two for the direction.
+//! - `wi` and `wo` are unit vectors in world space that point away from the scattering point. `wi`
+//!   points back along the path. Light that is not deflected has `wo` = −`wi`.
+//! - The value of a phase function is its density in solid angle. It integrates to one. Sampling
+//!   follows it exactly, so samples have no weight.
+//! - [`PhaseFunction::sample`] takes one random number to choose among components and two for the
+//!   direction.
 
 pub mod blendphase;
 pub mod hg;
@@ -25,8 +26,8 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// The list of phase functions: one line is one plugin, its XML `type`, which is its module as well, and
-/// what the scene holds of it, which is a [`PhaseModel`].
+/// The list of phase functions, one line per plugin: its XML `type`, which is also its module, and
+/// the [`PhaseModel`] that the scene stores.
 macro_rules! phase_list {
     ($macro:ident) => {
         $macro! {
@@ -40,7 +41,7 @@ macro_rules! phase_list {
     };
 }
 
-/// What a phase function plugin computes; see the module's contract.
+/// The interface of a phase function plugin; see the module's contract.
 pub(crate) trait PhaseModel {
     /// See [`PhaseFunction::eval`].
     fn eval(&self, interaction: &MediumInteraction, wo: Vec3) -> f32;
@@ -53,31 +54,31 @@ pub(crate) trait PhaseModel {
         direction: Vec2,
     ) -> Option<PhaseSample>;
 
-    /// See [`PhaseFunction::projected_area`]; 1 for all but microflakes.
+    /// See [`PhaseFunction::projected_area`]; 1 except for microflakes.
     fn projected_area(&self, _interaction: &MediumInteraction) -> f32 {
         1.0
     }
 
-    /// The greatest value that [`projected_area`](Self::projected_area) takes anywhere.
+    /// The maximum of [`projected_area`](Self::projected_area).
     fn greatest_area(&self) -> f32 {
         1.0
     }
 
-    /// Whether the projected area is one everywhere: there are no microflakes.
+    /// Whether the projected area is one everywhere, that is, there are no microflakes.
     fn shows_one_area(&self) -> bool {
         true
     }
 
-    /// Whether the projected area is the same everywhere for a direction.
+    /// Whether the projected area depends on the direction only, not on the point.
     fn is_uniform(&self) -> bool {
         true
     }
 
-    /// Adds the grids that the phase function reads, if it reads any.
+    /// Appends the grids that the phase function reads.
     fn collect_grids<'a>(&'a self, _grids: &mut Vec<&'a Arc<GridVolume>>) {}
 }
 
-/// Makes the enum of phase functions, its dispatch and the registry from the list.
+/// Generates the enum of phase functions, its dispatch and the registry from the list.
 macro_rules! phases {
     ($($module:ident => $name:ident($type:ty);)*) => {
         /// A phase function of the scene.
@@ -113,21 +114,21 @@ phase_list!(phases);
 /// Builds a phase function.
 pub type BuildPhase = fn(&mut Builder<'_>, &Parameters<'_>) -> Option<PhaseFunction>;
 
-/// Where light is scattered.
+/// A point of scattering.
 #[derive(Clone, Copy, Debug)]
 pub struct MediumInteraction {
-    /// The place.
+    /// The point.
     pub point: Vec3,
-    /// Where the path comes from.
+    /// The unit direction back along the path.
     pub wi: Vec3,
 }
 
-/// A direction that a phase function chose.
+/// A sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub struct PhaseSample {
-    /// Where the path goes on.
+    /// The direction in which the path continues.
     pub wo: Vec3,
-    /// The density in solid angle, which is the value as well.
+    /// The density in solid angle, which is also the value.
     pub pdf: f32,
 }
 
@@ -139,7 +140,7 @@ impl PhaseFunction {
         with_phase!(self, phase => phase.eval(interaction, wo))
     }
 
-    /// Chooses `wo`; `None` where it fails. `part` and `direction` are uniform in [0, 1).
+    /// Samples `wo`; `None` on failure. `part` and `direction` are uniform in [0, 1).
     #[inline]
     #[must_use]
     pub fn sample(
@@ -151,45 +152,45 @@ impl PhaseFunction {
         with_phase!(self, phase => phase.sample(interaction, part, direction))
     }
 
-    /// What the extinction along a direction is multiplied by: the area of microflakes seen from it,
-    /// and 1 for all others.
+    /// The factor by which the extinction depends on direction: the projected area of microflakes,
+    /// and 1 for other phase functions.
     #[inline]
     #[must_use]
     pub fn projected_area(&self, interaction: &MediumInteraction) -> f32 {
         with_phase!(self, phase => phase.projected_area(interaction))
     }
 
-    /// The greatest value that [`Self::projected_area`] takes anywhere.
+    /// The maximum of [`Self::projected_area`].
     #[must_use]
     pub fn greatest_area(&self) -> f32 {
         with_phase!(self, phase => phase.greatest_area())
     }
 
-    /// Whether the projected area is one everywhere: there are no microflakes.
+    /// Whether the projected area is one everywhere, that is, there are no microflakes.
     fn shows_one_area(&self) -> bool {
         with_phase!(self, phase => phase.shows_one_area())
     }
 
-    /// Adds the grids that the phase function reads.
+    /// Appends the grids that the phase function reads.
     pub(crate) fn collect_grids<'a>(&'a self, grids: &mut Vec<&'a Arc<GridVolume>>) {
         with_phase!(self, phase => phase.collect_grids(grids));
     }
 
-    /// Whether the projected area is the same everywhere for a direction.
+    /// Whether the projected area depends on the direction only, not on the point.
     #[must_use]
     pub fn is_uniform(&self) -> bool {
         with_phase!(self, phase => phase.is_uniform())
     }
 }
 
-/// The cosine of the scattering angle: 1 where light goes straight on.
+/// The cosine of the scattering angle; 1 for no deflection.
 #[inline]
 fn forwardness(interaction: &MediumInteraction, wo: Vec3) -> f32 {
     -interaction.wi.dot(wo)
 }
 
-/// The direction that turns light at `interaction` by an angle of the cosine `forwardness`, at an azimuth of
-/// `turn` (in whole turns).
+/// Deflects the light at `interaction` by the angle whose cosine is `forwardness`. `turn` is the
+/// azimuth in whole turns.
 #[inline]
 fn deflected(interaction: &MediumInteraction, forwardness: f32, turn: f32) -> Vec3 {
     let sine = (1.0 - forwardness * forwardness).max(0.0).sqrt();

@@ -1,11 +1,11 @@
-//! Reconstruction filters: how much a sample counts for a pixel, by its distance.
+//! Reconstruction filters: the weight of a sample by its distance from a pixel.
 //!
 //! # Contract
-//! - Offsets are in pixels, from the centre of the pixel.
+//! - Offsets are in pixels from the pixel's centre.
 //! - A filter is a product f(x)·f(y) of the same even function, which is zero at and beyond its
 //!   radius. Its scale does not matter.
-//! - A picture's value is ∫ f·L / ∫ f. A camera sample is made for one pixel: [`sample`] chooses its
-//!   offset in proportion to |f|, and the weight of the sample is constant but for its sign
+//! - The value of a pixel is ∫ f·L / ∫ f. A camera sample is made for one pixel: [`sample`] chooses
+//!   its offset in proportion to |f|. The weight of the sample is then constant except for its sign
 //!   (Ernst, Stamminger and Greiner, "Filter Importance Sampling", 2006).
 //!
 //! [`sample`]: ReconstructionFilter::sample
@@ -24,7 +24,7 @@ use etendue_sampling::TabulatedFilter;
 use glam::Vec2;
 use std::ops::RangeInclusive;
 
-/// The two ways to a filter: from a node, and with all parameters at their defaults.
+/// Two constructors: from a node, and with all parameters at their defaults.
 #[derive(Clone, Copy, Debug)]
 pub struct Constructors {
     build: fn(&Parameters<'_>) -> Option<ReconstructionFilter>,
@@ -41,7 +41,7 @@ pub static FILTERS: &[Plugin<Constructors>] = &[
     plugin::<tent::Tent>("tent", &tent::MANUAL, tent::build),
 ];
 
-/// Writes a plugin whose profile is `P` on one line.
+/// A plugin whose profile is `P`.
 const fn plugin<P: Default + Into<Profile>>(
     name: &'static str,
     manual: &'static Manual,
@@ -51,10 +51,10 @@ const fn plugin<P: Default + Into<Profile>>(
     Plugin { name, manual, build: Constructors { build, default } }
 }
 
-/// How wide or narrow a filter can be asked for, in pixels.
+/// The allowed radii of filters, in pixels.
 const RADII: RangeInclusive<f64> = 1e-3..=64.0;
 
-/// The filter inside a film: its `rfilter` child, or the default Gaussian.
+/// The filter of a film: its `rfilter` child, or the default Gaussian.
 #[must_use]
 pub fn build_child(film: &Parameters<'_>) -> Option<ReconstructionFilter> {
     let Some(child) = film.unnamed_child(Class::ReconstructionFilter) else {
@@ -126,19 +126,19 @@ impl Default for ReconstructionFilter {
 impl ReconstructionFilter {
     fn new(profile: Profile) -> Self {
         let table = TabulatedFilter::new(profile.radius(), |x| profile.eval(x.abs()));
-        // Parameters are held to ranges in which this is so, and the tests go to their ends.
+        // Parameter ranges guarantee this; the tests cover their ends.
         let table = table.expect("every profile is finite with a positive integral");
         Self { profile, table }
     }
 
-    /// The filter of this XML `type` with its default parameters.
+    /// The filter with this XML `type` and default parameters.
     #[must_use]
     pub fn by_name(name: &str) -> Option<Self> {
         let plugin = FILTERS.iter().find(|plugin| plugin.name == name)?;
         Some((plugin.build.default)())
     }
 
-    /// How far the filter reaches along each axis, in pixels.
+    /// The extent of the filter along each axis, in pixels.
     #[must_use]
     pub fn radius(&self) -> f32 {
         self.profile.radius()
@@ -150,15 +150,16 @@ impl ReconstructionFilter {
         self.eval_axis(offset.x) * self.eval_axis(offset.y)
     }
 
-    /// Chooses an offset in proportion to |f(x)·f(y)|, with the weight for which the expected value
-    /// of weight · g(offset) is ∫ f·g / ∫ f: constant, but negative where f is. `random` is uniform
-    /// in [0, 1)²; the map from it is continuous and increasing along each axis, so stratified
-    /// numbers give stratified offsets.
+    /// Samples an offset in proportion to |f(x)·f(y)|. The expected value of weight · g(offset) is
+    /// ∫ f·g / ∫ f; the weight is constant, but negative where f is. `random` is uniform in
+    /// [0, 1)². The map from it is continuous and increasing along each axis, so stratified numbers
+    /// give stratified offsets.
     #[inline]
     #[must_use]
     pub fn sample(&self, random: Vec2) -> (Vec2, f32) {
         match &self.profile {
-            // The table took a tenth of a simple scene's time; its search is not needed here.
+            // The search in the table took a tenth of a simple scene's time. The box does not need
+            // it.
             Profile::Box(filter) => ((random * 2.0 - 1.0) * filter.radius(), 1.0),
             _ => self.table.sample_2d(random),
         }
@@ -186,7 +187,7 @@ mod tests {
         FILTERS.iter().map(|plugin| (plugin.name, (plugin.build.default)())).collect()
     }
 
-    /// ∫ `function` over one axis; the pieces of the filters meet at multiples of half a pixel.
+    /// ∫ `function` over one axis; pieces of the filters meet at multiples of half a pixel.
     fn integrate(radius: f32, function: impl Fn(f32) -> f64) -> f64 {
         let pieces = (2.0 * radius).ceil() as i32;
         let piece = |index: i32| {
@@ -196,8 +197,8 @@ mod tests {
         (-pieces..pieces).map(piece).sum()
     }
 
-    /// Read from Mitsuba 3.9.1 (`eval` of the plugins), but for the Gaussian, which Mitsuba
-    /// approximates to three digits: exp(−2x²) − exp(−8).
+    /// Values from Mitsuba 3.9.1 (`eval` of the plugins). The Gaussian is computed as exp(−2x²) −
+    /// exp(−8), because Mitsuba approximates it to three digits.
     #[test]
     fn values_are_those_of_mitsuba() {
         let distances = [0.0, 0.3, 0.9, 1.3, 1.7, 2.5, 2.9];
@@ -263,7 +264,7 @@ mod tests {
             for (index, function) in functions.into_iter().enumerate() {
                 let expected =
                     integrate(radius, |x| f64::from(filter.eval_axis(x)) * function(x)) / total;
-                // Midpoints of strata along x; y plays no part, its weight being one on average.
+                // Midpoints of strata along x. y does not matter: its mean weight is one.
                 let count = 100_000;
                 let sum: f64 = (0..count)
                     .map(|stratum| (stratum as f32 + 0.5) / count as f32)
@@ -289,7 +290,7 @@ mod tests {
                 let (offset, weight) = filter.sample(random);
                 assert!(offset.abs().max_element() <= filter.radius(), "{name}: {offset}");
                 assert!((weight.abs() - magnitude).abs() < 1e-5, "{name}: {weight}");
-                // Right at a zero, rounding decides.
+                // At a zero, rounding decides.
                 let value = filter.eval(offset);
                 assert!(value.abs() < 1e-4 || (value < 0.0) == (weight < 0.0), "{name}: {offset}");
             }

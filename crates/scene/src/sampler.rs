@@ -1,8 +1,7 @@
-//! Samplers: how the random numbers of a pixel's samples are spread.
+//! Samplers: how the random numbers of a pixel's samples are distributed.
 //!
-//! The plugins name a [`SamplerKind`] and a number of samples; the numbers themselves come from
-//! [`etendue_sampling`], as a function of seed, pixel, sample and dimension. They are not those
-//! that Mitsuba draws.
+//! A plugin gives a [`SamplerKind`] and a number of samples. [`etendue_sampling`] computes the
+//! numbers as a function of seed, pixel, sample and dimension. They differ from Mitsuba's.
 
 pub mod halton;
 pub mod hammersley;
@@ -21,7 +20,7 @@ use etendue_sampling::{SamplerKind, SamplerSpec};
 /// Builds a sampler.
 pub type BuildSampler = fn(&Parameters<'_>) -> Option<SamplerSpec>;
 
-/// The samplers.
+/// The list of samplers.
 pub static SAMPLERS: &[Plugin<BuildSampler>] = &[
     Plugin { name: "halton", manual: &halton::MANUAL, build: halton::build },
     Plugin { name: "hammersley", manual: &hammersley::MANUAL, build: hammersley::build },
@@ -50,12 +49,12 @@ const SCRAMBLE: ParameterManual = parameter(
     "Accepted, without effect: the points are always scrambled, by `seed`.",
 );
 
-/// Samples per pixel where the scene does not say.
+/// The default number of samples per pixel.
 const DEFAULT_SAMPLE_COUNT: i64 = 4;
-/// The most samples per pixel that can be asked for.
+/// The greatest number of samples per pixel.
 const MAX_SAMPLE_COUNT: i64 = 1 << 30;
 
-/// The sampler inside a sensor: its `sampler` child, or independent samples.
+/// The sampler of a sensor: its `sampler` child, or the independent sampler.
 #[must_use]
 pub fn build_child(sensor: &Parameters<'_>) -> Option<SamplerSpec> {
     let Some(child) = sensor.unnamed_child(Class::Sampler) else {
@@ -68,13 +67,13 @@ pub fn build_child(sensor: &Parameters<'_>) -> Option<SamplerSpec> {
     sampler
 }
 
-/// Reads what all samplers have.
+/// Reads the settings that all samplers have.
 fn read(parameters: &Parameters<'_>, kind: SamplerKind) -> SamplerSpec {
     let range = 1..=MAX_SAMPLE_COUNT;
     let sample_count = parameters.integer_in("sample_count", DEFAULT_SAMPLE_COUNT, range);
-    // Negative seeds are seeds too.
+    // Negative seeds are valid too.
     let seed = parameters.integer("seed", 0) as u64;
-    // In range since it was read.
+    // In range, because reading checks it.
     SamplerSpec::new(kind, sample_count as u32, seed)
 }
 
@@ -105,7 +104,7 @@ mod tests {
         ]
     }
 
-    /// Builds the sampler of a sensor that is nothing else.
+    /// Builds the sampler of a sensor without other settings.
     fn plugin(name: &str) -> BuildSampler {
         let found = SAMPLERS.iter().find(|plugin| plugin.name == name);
         found.expect("the sampler is in the table").build

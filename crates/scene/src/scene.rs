@@ -28,53 +28,53 @@ use etendue_math::{Bounds3, Ray};
 use etendue_sampling::{AliasTable, SamplerSpec};
 use std::sync::Arc;
 
-/// A camera with its film and its random numbers.
+/// A sensor with its film and sampler.
 #[derive(Clone, Debug)]
 pub struct SensorSetup {
-    /// The name that the scene file gives it.
+    /// Its id in the scene file.
     pub id: Option<String>,
-    /// The camera.
+    /// The sensor.
     pub sensor: Sensor,
-    /// What it records on.
+    /// Its film.
     pub film: FilmSpec,
-    /// Where its random numbers come from, and how many samples a pixel gets.
+    /// Its sampler and number of samples per pixel.
     pub sampler: SamplerSpec,
     /// The medium around it.
     pub medium: Option<MediumId>,
 }
 
-/// What a scene is put together from.
+/// The parts of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct Parts {
     pub(crate) shapes: Vec<Shape>,
-    /// How many shapes, from the first, stand in the scene rather than in groups; all where `None`.
+    /// How many of the first shapes are at the top level, not in groups; all if `None`.
     pub(crate) top_level_shapes: Option<usize>,
     pub(crate) instances: Vec<Instance>,
     pub(crate) groups: Vec<Group>,
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
     pub(crate) emitters: Vec<Emitter>,
-    /// How often each emitter is sampled, relative to the others.
+    /// The sampling weight of each emitter, relative to the others.
     pub(crate) emitter_weights: Vec<f32>,
     pub(crate) media: Vec<Medium>,
-    /// The shapes that media end at.
+    /// The shapes that bound media.
     pub(crate) medium_interfaces: Vec<(ShapeId, MediumInterface)>,
     pub(crate) sensors: Vec<SensorSetup>,
-    /// Digests of the shapes' geometry and of the groups' trees; only where there is a cache.
+    /// Digests of the shapes' geometry and of the groups' trees; only with a cache.
     pub(crate) geometry_digests: Vec<u128>,
     pub(crate) group_digests: Vec<u128>,
     pub(crate) hash: [u8; 32],
-    /// The instructions that rays use, if not the fastest.
+    /// The instruction set for rays, if not the fastest.
     pub(crate) tier: Option<Tier>,
 }
 
-/// Everything that light meets.
+/// A scene, ready to render.
 #[derive(Debug)]
 pub struct Scene {
     bvh: Arc<Bvh>,
     level: Level,
     shapes: Vec<Shape>,
-    /// How many shapes, from the first, stand in the scene rather than in groups.
+    /// How many of the first shapes are at the top level, not in groups.
     top_level: usize,
     instances: Vec<Instance>,
     groups: Vec<Group>,
@@ -82,13 +82,13 @@ pub struct Scene {
     batch_materials: Vec<BatchMaterial>,
     textures: Vec<Texture>,
     emitters: Vec<Emitter>,
-    /// How emitters are chosen where they are not all alike.
+    /// Chooses emitters if they do not have equal probabilities.
     emitter_table: Option<AliasTable>,
-    /// What several paths at once can sample of the emitters.
+    /// What lanes can sample of the emitters.
     lane_emitters: LaneEmitters,
     environments: Vec<EmitterId>,
     media: Vec<Medium>,
-    /// What media end at each shape; empty where no shape has any.
+    /// The media at each shape; empty if no shape bounds a medium.
     medium_interfaces: Vec<Option<MediumInterface>>,
     sensors: Vec<SensorSetup>,
     hash: [u8; 32],
@@ -97,13 +97,13 @@ pub struct Scene {
 /// A light chosen for next-event estimation.
 #[derive(Clone, Copy, Debug)]
 pub struct EmitterChoice {
-    /// Which.
+    /// The emitter.
     pub emitter: EmitterId,
-    /// The probability of having chosen it.
+    /// Its probability.
     pub probability: f32,
 }
 
-/// The instructions for shading that belong to those for rays.
+/// The shading instructions that match those for rays.
 fn level(tier: Tier) -> Level {
     let best = Level::new();
     match tier {
@@ -114,7 +114,7 @@ fn level(tier: Tier) -> Level {
     }
 }
 
-/// The table of emitters; `None` where all are alike.
+/// The table of emitters; `None` if all have equal probabilities.
 fn emitter_table(weights: &[f32], diagnostics: &Diagnostics) -> Option<AliasTable> {
     if weights.windows(2).all(|pair| pair[0] == pair[1]) {
         return None;
@@ -134,7 +134,7 @@ fn choose_by_weight(table: &AliasTable, random: &mut f32) -> EmitterChoice {
     EmitterChoice { emitter: EmitterId(chosen.index as u32), probability: table.pmf(chosen.index) }
 }
 
-/// One of `count` indices by a number in [0, 1), and what is left of the number.
+/// Chooses one of `count` indices by a number in [0, 1), and returns the rescaled number.
 #[inline(always)]
 pub(crate) fn choose_evenly<R: Real>(random: R, count: usize) -> (R, R) {
     let scaled = random * count as f32;
@@ -197,14 +197,14 @@ impl Scene {
         })
     }
 
-    /// The instructions that paths are followed with.
+    /// The instruction set of path tracing.
     #[inline]
     #[must_use]
     pub fn level(&self) -> Level {
         self.level
     }
 
-    /// What `ray` hits first.
+    /// The closest hit of `ray`.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<SurfaceInteraction> {
@@ -212,19 +212,19 @@ impl Scene {
         Some(self.interaction(ray, &hit))
     }
 
-    /// Where `ray` hits first, in the tree's terms: for [`Self::interaction`].
+    /// The closest hit of `ray` in the tree's terms, for [`Self::interaction`].
     #[inline(always)]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         self.bvh.intersect(ray, self)
     }
 
-    /// As [`Self::closest_hit`] for many rays; the hits are appended to `hits`.
+    /// [`Self::closest_hit`] for many rays; appends the hits to `hits`.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         self.bvh.intersect_many(rays, self, hits);
     }
 
-    /// Everything that is known where `ray` has met the scene.
+    /// The full interaction of `ray` at a hit.
     #[inline(always)]
     #[must_use]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
@@ -235,8 +235,8 @@ impl Scene {
         self.shapes[id.index()].interaction(id, ray, hit)
     }
 
-    /// What kind of material a hit has met, and which, if its vertex can be shaded in lanes: on a
-    /// triangle that stands in the scene itself.
+    /// The kind and id of a hit's material, if lanes can shade it. The hit must be on a top-level
+    /// triangle.
     #[inline(always)]
     #[must_use]
     pub fn lane_kind(&self, hit: &Hit) -> Option<(LaneKind, MaterialId)> {
@@ -262,27 +262,27 @@ impl Scene {
         SurfaceInteraction { instance: Some(placed), ..instance.place(local, ray.direction) }
     }
 
-    /// Whether anything lies on `ray`.
+    /// Whether `ray` hits anything.
     #[inline(always)]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.bvh.occluded(ray, self)
     }
 
-    /// As [`Self::occluded`] for many rays; the answers are appended to `occluded`.
+    /// [`Self::occluded`] for many rays; appends the answers to `occluded`.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
         self.bvh.occluded_many(rays, self, occluded);
     }
 
-    /// The material of a hit, resolved: reads its textures.
+    /// Resolves the material of a hit, which reads its textures.
     #[inline(always)]
     #[must_use]
     pub fn prepare_bsdf(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
         self.materials().prepare(self.shape(surface.shape).material, self.textures(), surface)
     }
 
-    /// Whether sampled light can be reflected at a hit: not where the material is a mirror, smooth
-    /// glass or nothing at all. What the answer leaves open, [`Bsdf::has_smooth_lobe`] decides.
+    /// Whether a hit may reflect sampled light. False for mirrors, smooth glass and null materials.
+    /// Where this is true, [`Bsdf::has_smooth_lobe`] decides.
     #[inline(always)]
     #[must_use]
     pub fn may_reflect_emitters(&self, surface: &SurfaceInteraction) -> bool {
@@ -310,7 +310,7 @@ impl Scene {
         Textures(&self.textures)
     }
 
-    /// How many emitters there are.
+    /// The number of emitters.
     #[inline]
     #[must_use]
     pub fn emitter_count(&self) -> usize {
@@ -329,12 +329,12 @@ impl Scene {
         &self.emitters
     }
 
-    /// How emitters are chosen where they are not all alike.
+    /// Chooses emitters if they do not have equal probabilities.
     pub(crate) fn emitter_table(&self) -> Option<&AliasTable> {
         self.emitter_table.as_ref()
     }
 
-    /// What several paths at once can sample of the emitters.
+    /// What lanes can sample of the emitters.
     pub(crate) fn lane_emitters(&self) -> &LaneEmitters {
         &self.lane_emitters
     }
@@ -353,7 +353,8 @@ impl Scene {
         &self.environments
     }
 
-    /// Chooses an emitter, all alike unless they say otherwise; the random number is stretched for use again.
+    /// Chooses an emitter, with equal probabilities by default. Rescales the random number for
+    /// reuse.
     #[inline(always)]
     #[must_use]
     pub fn choose_emitter(&self, random: &mut f32) -> Option<EmitterChoice> {
@@ -388,20 +389,20 @@ impl Scene {
         &self.media[id.index()]
     }
 
-    /// The media on both sides of the shape that was hit, if media end there.
+    /// The media on both sides of the shape that was hit, if it bounds any.
     #[inline]
     #[must_use]
     pub fn medium_interface(&self, surface: &SurfaceInteraction) -> Option<MediumInterface> {
         *self.medium_interfaces.get(surface.shape.index())?
     }
 
-    /// The cameras, in the order of the file.
+    /// The sensors, in the order of the file.
     #[must_use]
     pub fn sensors(&self) -> &[SensorSetup] {
         &self.sensors
     }
 
-    /// The triangle meshes that stand in the scene; those within groups are left out.
+    /// The top-level triangle meshes, without those in groups.
     pub fn meshes(&self) -> impl Iterator<Item = &Mesh> {
         self.shapes[..self.top_level].iter().filter_map(|shape| match &shape.geometry {
             Geometry::Mesh(mesh) => Some(mesh),
@@ -409,36 +410,36 @@ impl Scene {
         })
     }
 
-    /// The tree over everything. Scenes that differ in other things may share it.
+    /// The tree over all shapes. Scenes that differ elsewhere may share it.
     #[must_use]
     pub fn tree(&self) -> &Arc<Bvh> {
         &self.bvh
     }
 
-    /// The box around everything.
+    /// The bounds of the scene.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.bvh.bounds()
     }
 
-    /// The hash of everything that the scene was built from: its texts and all files they name.
+    /// The hash of all inputs of the scene: its texts and all files that they name.
     #[must_use]
     pub fn content_hash(&self) -> [u8; 32] {
         self.hash
     }
 
-    /// The nearest hit with one of the analytic shapes.
+    /// The closest hit with an analytic shape.
     fn intersect_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> Option<PrimitiveHit> {
         self.shapes[id.index()].geometry.intersect(primitive, ray)
     }
 
-    /// The shape that the tree calls `geometry` within the group of `instance`.
+    /// The shape with the tree's index `geometry` in the group of `instance`.
     fn grouped_shape(&self, instance: u32, geometry: u32) -> ShapeId {
         let instance = &self.instances[instance as usize - self.top_level];
         ShapeId(self.groups[instance.group.index()].first_shape.0 + geometry)
     }
 
-    /// Whether one of the analytic shapes is in the way.
+    /// Whether an analytic shape occludes the ray.
     fn occludes_shape(&self, id: ShapeId, primitive: u32, ray: &Ray) -> bool {
         self.shapes[id.index()].geometry.occludes(primitive, ray)
     }

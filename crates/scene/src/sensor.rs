@@ -1,11 +1,11 @@
-//! Sensors: from a place on the film to a ray into the scene.
+//! Sensors: from a film position to a ray into the scene.
 //!
 //! # Contract
-//! - A film position runs over the whole film, whatever its crop: (0, 0) is the left upper corner,
-//!   (1, 1) the right lower one.
-//! - Camera space is Mitsuba's: the view goes along +z, +y is up, and +x is to the *left*.
-//! - Rays are in world space and of unit direction. They start at the near plane and end at the far
-//!   one.
+//! - A film position covers the whole film, whatever its crop: (0, 0) is the top left corner, (1,
+//!   1) the bottom right one.
+//! - Camera space is Mitsuba's: the view direction is +z, +y is up, and +x is to the *left*.
+//! - Rays are in world space with unit directions. They start at the near plane and end at the far
+//!   plane.
 //! - `to_world` may scale: distances and the aperture are then in the camera's units.
 
 pub mod batch;
@@ -30,8 +30,8 @@ use etendue_math::lanes::Level;
 use etendue_math::{Bounds3, Ray, Transform, with_lanes};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3};
 
-/// The list of sensors: one line is one plugin, its XML `type`, which is its module as well, and what the
-/// scene holds of it, which is a [`SensorModel`]. Those of `shapes` are nested in a shape.
+/// The list of sensors, one line per plugin: its XML `type`, which is also its module, and the
+/// [`SensorModel`] that the scene stores. Those of `shapes` are nested in a shape.
 macro_rules! sensor_list {
     ($macro:ident) => {
         $macro! {
@@ -50,35 +50,35 @@ macro_rules! sensor_list {
     };
 }
 
-/// What a sensor plugin computes; see the module's contract.
+/// The interface of a sensor plugin; see the module's contract.
 pub(crate) trait SensorModel {
-    /// What all sensors have.
+    /// The settings that all sensors have.
     fn common(&self) -> &SensorCommon;
 
-    /// See [`Sensor::has_lens`]; no lens unless the sensor says so.
+    /// See [`Sensor::has_lens`]; no lens by default.
     fn has_lens(&self) -> bool {
         false
     }
 
-    /// See [`Sensor::sample_ray`]; `None` where there is no ray to ask for.
+    /// See [`Sensor::sample_ray`]; `None` if there is no ray.
     fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> Option<SensorRay>;
 
-    /// See [`Sensor::connect`]; `None` for sensors that particles cannot meet.
+    /// See [`Sensor::connect`]; `None` for sensors that particles cannot connect to.
     fn connect(&self, _point: Vec3, _aperture: Vec2) -> Option<Connection> {
         None
     }
 
-    /// Camera space to the film, z being 0 at the near and 1 at the far plane; the identity for sensors
-    /// whose film shows no picture in perspective.
+    /// Maps camera space to the film; z is 0 at the near plane and 1 at the far plane. The identity
+    /// for sensors without a perspective or orthographic image.
     fn projection(&self) -> DMat4 {
         DMat4::IDENTITY
     }
 
-    /// Tells sensors that look at the whole scene how large it is.
+    /// Gives the bounds of the scene to sensors that view all of it.
     fn set_bounds(&mut self, _bounds: &Bounds3) {}
 }
 
-/// Makes the enum of sensors, its dispatch and the registry from the list.
+/// Generates the enum of sensors, its dispatch and the registry from the list.
 macro_rules! sensors {
     (
         free { $($module:ident => $name:ident($type:ty);)* }
@@ -92,7 +92,7 @@ macro_rules! sensors {
             $nested($nested_type),)*
         }
 
-        /// Every sensor that stands alone.
+        /// All sensors that are not nested in a shape.
         pub static SENSORS: &[Plugin<BuildSensor>] = &[
             $(plugin(stringify!($module), &$module::MANUAL, |builder, parameters, film| {
                 let sensor = $module::build(builder, parameters, film)?;
@@ -100,7 +100,7 @@ macro_rules! sensors {
             }),)*
         ];
 
-        /// Every sensor that is nested in a shape.
+        /// All sensors that are nested in a shape.
         pub static SHAPE_SENSORS: &[Plugin<BuildShapeSensor>] = &[
             $(plugin(stringify!($nested_module), &$nested_module::MANUAL, |parameters, film, shape| {
                 let sensor = $nested_module::build(parameters, film, shape)?;
@@ -127,36 +127,36 @@ pub type BuildSensor = fn(&mut Builder<'_>, &Parameters<'_>, &FilmSpec) -> Optio
 /// Builds the sensor of a shape for a film.
 pub type BuildShapeSensor = fn(&Parameters<'_>, &FilmSpec, &Geometry) -> Option<Sensor>;
 
-/// A ray that a sensor asks for.
+/// A sampled ray of a sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorRay {
     /// From the near to the far plane.
     pub ray: Ray,
-    /// What the radiance along it counts.
+    /// The weight of its radiance.
     pub weight: f32,
 }
 
-/// A camera as file headers describe it; both matrices are for column vectors.
+/// A camera as file headers describe it. Both matrices act on column vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraMatrices {
-    /// World to RenderMan's camera space, as OpenEXR's `worldToCamera`: left-handed, +x is to the
-    /// right, +y up, and the view goes along +z.
+    /// World to RenderMan's camera space, as OpenEXR's `worldToCamera`: left-handed, +x to the
+    /// right, +y up, view direction +z.
     pub world_to_camera: Mat4,
-    /// World to the film, as OpenEXR's `worldToNDC`: after division by w, (0, 0) is the left upper
-    /// corner, (1, 1) the right lower one; z is 0 at the near and 1 at the far plane.
+    /// World to the film, as OpenEXR's `worldToNDC`: after division by w, (0, 0) is the top left
+    /// corner and (1, 1) the bottom right one; z is 0 at the near plane and 1 at the far plane.
     pub world_to_ndc: Mat4,
 }
 
 impl Sensor {
-    /// Whether rays start at different points of a lens, and `aperture` counts.
+    /// Whether rays start at different points of a lens, so that `aperture` matters.
     #[inline]
     #[must_use]
     pub fn has_lens(&self) -> bool {
         with_sensor!(self, sensor => sensor.has_lens())
     }
 
-    /// The ray from a film position through a point of the aperture; `aperture` is uniform in
-    /// [0, 1)².
+    /// The ray from a film position through a point of the aperture. `aperture` is uniform in [0,
+    /// 1)².
     #[inline]
     #[must_use]
     pub fn sample_ray(&self, film_position: Vec2, aperture: Vec2) -> SensorRay {
@@ -165,8 +165,8 @@ impl Sensor {
         ray.unwrap_or(SensorRay { ray: Ray::segment(Vec3::ZERO, Vec3::Z, 0.0), weight: 0.0 })
     }
 
-    /// Appends [`Self::sample_ray`] of each film position with the point of the aperture beside it.
-    /// `level` says with which instructions.
+    /// Appends [`Self::sample_ray`] of each film position with its point of the aperture. `level`
+    /// selects the instructions.
     pub fn sample_rays(
         &self,
         level: Level,
@@ -183,20 +183,20 @@ impl Sensor {
         sensor_rays.extend(places.map(|(&place, &aperture)| self.sample_ray(place, aperture)));
     }
 
-    /// Tells sensors that look at the whole scene how large it is.
+    /// Gives the bounds of the scene to sensors that view all of it.
     pub(crate) fn set_bounds(&mut self, bounds: &Bounds3) {
         with_sensor!(self, sensor => sensor.set_bounds(bounds));
     }
 
-    /// What all sensors have.
+    /// The settings that all sensors have.
     #[must_use]
     pub fn common(&self) -> &SensorCommon {
         with_sensor!(self, sensor => sensor.common())
     }
 
-    /// How the world point `point` shows on the film, through a point of the aperture; `aperture` is
-    /// uniform in [0, 1)². `None` where it does not show, or where the sensor is not one that a
-    /// particle can meet.
+    /// Projects the world point `point` onto the film through a point of the aperture. `aperture`
+    /// is uniform in [0, 1)². `None` if the point is not visible on the film, or if particles
+    /// cannot connect to the sensor.
     #[must_use]
     pub fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
         let connection = with_sensor!(self, sensor => sensor.connect(point, aperture))?;
@@ -204,7 +204,7 @@ impl Sensor {
         is_finite.then_some(connection)
     }
 
-    /// The camera as file headers describe it; that of a lens is its centre's.
+    /// The camera as file headers describe it. A lens is described by its centre.
     #[must_use]
     pub fn camera_matrices(&self) -> CameraMatrices {
         let projection = with_sensor!(self, sensor => sensor.projection());
@@ -239,13 +239,13 @@ const FILM: ParameterManual =
 const SAMPLER: ParameterManual =
     parameter("(nested)", "sampler", "independent", "Where random numbers come from.");
 
-/// The greatest distance or time, far enough from the end of single precision for squares.
+/// The greatest distance or time. Its square is still finite in single precision.
 const MAX_VALUE: f64 = 1e18;
-/// Unequal scales that come from rounding are below this.
+/// Smaller differences between scales are rounding.
 const UNEQUAL_SCALE: f64 = 1e-3;
 
 impl SensorCommon {
-    /// Reads what all sensors have; `None` after an error has been reported.
+    /// Reads the settings of all sensors; `None` after an error has been reported.
     fn read(parameters: &Parameters<'_>) -> Option<Self> {
         let to_world = read_transform(parameters, "to_world");
         let common = Self {
@@ -265,7 +265,7 @@ impl SensorCommon {
         (common.check_shutter(parameters) && to_world.is_some()).then_some(common)
     }
 
-    /// What sensors without near and far planes have.
+    /// The settings of sensors without near and far planes.
     fn without_planes(parameters: &Parameters<'_>, to_world: Transform) -> Option<Self> {
         let common = Self { to_world, ..Self::read_shutter(parameters) };
         common.check_shutter(parameters).then_some(common)
@@ -292,7 +292,7 @@ impl SensorCommon {
         is_well
     }
 
-    /// Warns where the camera's picture is stretched.
+    /// Warns if the camera's image is stretched.
     fn warn_of_unequal_scale(&self, parameters: &Parameters<'_>) {
         let matrix = self.matrix();
         let lengths = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::length);
@@ -304,8 +304,9 @@ impl SensorCommon {
     }
 }
 
-/// Reads the placement of a sensor that looks along one direction: `to_world`, or a direction and, under
-/// the name `origin` unless that is empty, a point. `None` after an error has been reported.
+/// Reads the placement of a sensor that looks along one direction. This is `to_world`, or a
+/// direction and a point; the parameter `origin` names the point, unless it is empty. `None` after
+/// an error has been reported.
 fn read_view(parameters: &Parameters<'_>, origin: &str) -> Option<Transform> {
     let to_world = read_transform(parameters, "to_world");
     let direction = parameters.optional_vector("direction");
@@ -328,7 +329,7 @@ fn read_view(parameters: &Parameters<'_>, origin: &str) -> Option<Transform> {
     Transform::from_matrix(&DMat4::from_cols(axes[0], axes[1], axes[2], origin))
 }
 
-/// Warns where a sensor that measures one number has a film for more.
+/// Warns if a sensor that measures a single number has a film of more than one pixel.
 fn warn_of_pixels(parameters: &Parameters<'_>, film: &FilmSpec) {
     if (film.width, film.height) != (1, 1) {
         let message = "this sensor measures one number, which every pixel will show: give its film \

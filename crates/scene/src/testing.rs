@@ -1,4 +1,4 @@
-//! Helpers of the tests: plugins built from a few nodes or a line of XML.
+//! Test helpers: plugins built from a few nodes or a line of XML.
 
 pub(crate) mod bsdf_cases;
 pub(crate) mod emitter_cases;

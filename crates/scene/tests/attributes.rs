@@ -1,4 +1,4 @@
-//! Attributes of meshes, from a PLY file to the material at a hit.
+//! Mesh attributes, from a PLY file to the material at a hit.
 
 use etendue_document::{Diagnostics, MemoryResources, Severity};
 use etendue_math::Ray;
@@ -30,7 +30,7 @@ fn square() -> TriangleMesh {
     }
 }
 
-/// Builds a scene, or gives the messages of its errors.
+/// Builds a scene, or returns its error messages.
 fn build(shapes: &str) -> Result<Scene, String> {
     let resources = MemoryResources::default().with("square.ply", write_ply(&square()));
     let diagnostics = Diagnostics::new();
@@ -54,7 +54,7 @@ fn ply(nested: &str) -> String {
     format!("<shape type='ply'><string name='filename' value='square.ply'/>{nested}</shape>")
 }
 
-/// The albedo of what a ray straight down at (x, y) hits.
+/// The albedo at the hit of a ray straight down at (x, y).
 fn color(scene: &Scene, x: f32, y: f32) -> [f32; 3] {
     let surface = scene.intersect(&Ray::new(Vec3::new(x, y, 5.0), -Vec3::Z)).expect("a hit");
     scene.prepare_bsdf(&surface).albedo(surface.wi).rgb()

@@ -1,4 +1,4 @@
-//! Scenes that are built in code: errors name nodes, and buffers stand for files.
+//! Scenes built in code: errors name nodes, and buffers replace files.
 
 use etendue_document::{
     Buffer, Diagnostics, Document, DocumentOptions, MemoryResources, Node, Value, reference, rgb,
@@ -8,7 +8,7 @@ use etendue_scene::shape::Geometry;
 use etendue_scene::{BuildOptions, Scene, ShapeId, build_scene};
 use glam::Vec3;
 
-/// The scene, and every finding as its place and its message.
+/// The scene, and the place and message of every diagnostic.
 fn build(scene: Node) -> (Option<Scene>, Vec<(String, String)>) {
     let (diagnostics, resources) = (Diagnostics::new(), MemoryResources::default());
     let scene = scene.child(Node::sensor("perspective"));
@@ -27,7 +27,7 @@ fn one_finding(scene: Node) -> (String, String) {
     found.remove(0)
 }
 
-/// A square, front to +z.
+/// A square that faces +z.
 fn square() -> Node {
     Node::shape("mesh")
         .with(
@@ -153,7 +153,7 @@ fn arrays_that_do_not_fit_are_refused_with_their_name() {
     for (mesh, entry, words) in cases {
         let (scene, found) = build(Node::scene().child(mesh));
         assert!(scene.is_none(), "{words}");
-        // `square` gives entries that a case replaces, which is a warning.
+        // Cases replace entries that `square` gives, which is a warning.
         let found: Vec<_> =
             found.into_iter().filter(|(_, message)| !message.contains("given twice")).collect();
         assert_eq!(found.len(), 1, "{found:?}");

@@ -1,4 +1,4 @@
-//! Curves: the hits of Mitsuba's, closed forms, and rays that leave.
+//! Curves: hits compared with Mitsuba's, closed forms, and spawned rays.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_math::Ray;
@@ -45,8 +45,8 @@ fn vec3(numbers: &[f32]) -> Vec3 {
     Vec3::from_slice(numbers)
 }
 
-/// `mitsuba_curves.txt` holds what `llvm_ad_rgb` of version 3.9.1 says: a line a ray, with the plugin,
-/// origin and direction, then t, u, v and the normal, or `miss`.
+/// `mitsuba_curves.txt` holds the results of `llvm_ad_rgb` in version 3.9.1. Each line is a ray:
+/// the plugin, origin and direction, then t, u, v and the normal, or `miss`.
 #[test]
 fn rays_hit_where_they_do_in_mitsuba() {
     let scenes = [
@@ -70,7 +70,7 @@ fn rays_hit_where_they_do_in_mitsuba() {
             continue;
         };
         hits += 1;
-        // Embree's own rounding shows where rays graze.
+        // Embree's rounding shows where rays graze.
         let turn = (found.uv.x - u + 0.5).rem_euclid(1.0) - 0.5;
         let is_close = (found.t - t).abs() < 2e-3
             && Vec2::new(turn, found.uv.y - v).length() < 5e-3
@@ -111,7 +111,7 @@ fn a_straight_spline_of_one_radius_is_a_cylinder() {
     assert!(hits > 5000, "{hits}");
 }
 
-/// The distance from the nearest of the spheres that a linear segment is made of.
+/// The distance to the closest of the spheres that make up a linear segment.
 fn distance_to_segments(point: Vec3) -> f64 {
     let points: Vec<Vec<f64>> = LINEAR
         .lines()
@@ -149,7 +149,7 @@ fn linear_curves_are_unions_of_spheres() {
 #[test]
 fn rays_that_leave_do_not_come_back_to_where_they_were() {
     let mut random = TestRng::new(3);
-    // A straight tube is convex, and so is its joint with nothing.
+    // A straight tube is convex.
     for (plugin, curves) in [
         ("linearcurve", "0 0 0 .3\n1 2 3 .1\n"),
         ("bsplinecurve", "0 0 0 .3\n1 2 3 .3\n2 4 6 .3\n3 6 9 .3\n"),

@@ -1,4 +1,4 @@
-//! Clouds of ellipsoids: the hits of Mitsuba's, rays that leave, and files that are refused.
+//! Clouds of ellipsoids: hits compared with Mitsuba's, spawned rays, and rejected files.
 
 use etendue_document::{Diagnostic, Diagnostics, MemoryResources};
 use etendue_math::Ray;
@@ -25,12 +25,12 @@ fn build(plugin: &str, parameters: &str, file: &[u8]) -> (Option<Scene>, Vec<Dia
 
 fn scene(plugin: &str, parameters: &str) -> Scene {
     let (scene, found) = build(plugin, parameters, FILE);
-    // The page has no sensor.
+    // The file has no sensor.
     scene.unwrap_or_else(|| panic!("{found:?}"))
 }
 
-/// `mitsuba_ellipsoids.txt` holds what `scalar_rgb` of version 3.9.1 says: a line a ray, with the name
-/// of the scene, origin and direction, then t and the normal, or `miss`.
+/// `mitsuba_ellipsoids.txt` holds the results of `scalar_rgb` in version 3.9.1. Each line is a ray:
+/// the name of the scene, origin and direction, then t and the normal, or `miss`.
 #[test]
 fn rays_hit_where_they_do_in_mitsuba() {
     let scenes = [
@@ -65,7 +65,8 @@ fn rays_hit_where_they_do_in_mitsuba() {
         let agree = match (&found, &numbers[6..]) {
             (None, []) => true,
             (Some(found), [t, normal @ ..]) => {
-                // Mitsuba's own rounding reaches 3.4e-4 here, as the exact root in twice the digits says.
+                // Mitsuba's rounding error reaches 3.4e-4 here, measured against the exact root in
+                // doubled precision.
                 (found.t - t).abs() < 5e-4 && found.normal.dot(Vec3::from_slice(normal)) > 0.9999
             }
             _ => false,
@@ -79,7 +80,7 @@ fn rays_hit_where_they_do_in_mitsuba() {
 
 #[test]
 fn rays_that_leave_an_ellipsoid_do_not_meet_it_again() {
-    // One alone, far from the origin and flat: what lies before it is its own surface.
+    // A single flat ellipsoid far from the origin: a ray ahead could only hit its own surface.
     let text = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
         property float z\nproperty float scale_0\nproperty float scale_1\nproperty float scale_2\n\
         property float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\n\
@@ -98,7 +99,7 @@ fn rays_that_leave_an_ellipsoid_do_not_meet_it_again() {
             let direction = direction * direction.dot(found.normal).signum();
             let leaving = found.spawn_ray(direction);
             assert!(!scene.occluded(&leaving), "{plugin}: {found:?} {direction}");
-            // What enters leaves unseen.
+            // Rays that enter leave without a hit.
             let entering = found.spawn_ray(-direction);
             assert!(!scene.occluded(&entering), "{plugin}: {found:?} {direction}");
         }

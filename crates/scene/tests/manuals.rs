@@ -1,5 +1,5 @@
-//! Every manual page says what its plugin takes: the sample builds without a finding, and the list of
-//! parameters is what the code asks for.
+//! Manual pages match their plugins: each sample builds without diagnostics, and the listed
+//! parameters are those that the code reads.
 
 use etendue_document::{
     Class, Diagnostic, Diagnostics, Document, DocumentOptions, Fault, MemoryResources, Node,
@@ -24,8 +24,8 @@ fn mesh() -> TriangleMesh {
     }
 }
 
-/// One triangle in the serialized format, version 4 (Mitsuba 3's manual of `serialized`): no sample
-/// could be read without it.
+/// One triangle in the serialized format, version 4 (Mitsuba 3's manual of `serialized`), for
+/// the sample of that plugin.
 fn serialized() -> Vec<u8> {
     include_bytes!("data/triangle.serialized").to_vec()
 }
@@ -86,7 +86,7 @@ fn scene_around(class: Class, sample: &str) -> String {
     format!("<scene>{sensor}{inner}</scene>")
 }
 
-/// The samples that are code, which the manuals hold as texts.
+/// The samples written in code, which the manuals hold as text.
 fn node_of(name: &str) -> Node {
     match name {
         "mesh" => include!("../src/shape/mesh/sample.rs"),
@@ -94,7 +94,7 @@ fn node_of(name: &str) -> Node {
     }
 }
 
-/// What building a sample finds, where it is in a whole scene.
+/// The diagnostics of building a sample inside a whole scene.
 fn findings_of_sample(class: Class, name: &str, manual: &Manual) -> Vec<Diagnostic> {
     match manual.sample_language() {
         "xml" => findings(&scene_around(class, manual.sample)),
@@ -110,7 +110,7 @@ fn findings_of_node(node: Node) -> Vec<Diagnostic> {
     diagnostics.sorted()
 }
 
-/// What building a scene finds.
+/// The diagnostics of building a scene.
 fn findings(text: &str) -> Vec<Diagnostic> {
     let (diagnostics, resources) = (Diagnostics::new(), resources());
     if let Ok(document) = read_text(text, &resources, &LoadOptions::default(), &diagnostics) {
@@ -127,7 +127,7 @@ fn every_sample_builds_without_a_finding() {
     }
 }
 
-/// What building a sample finds after a parameter that nobody knows was added.
+/// The diagnostics of building a sample with an additional unknown parameter.
 fn findings_of_spoiled_sample(class: Class, name: &str, manual: &Manual) -> Vec<Diagnostic> {
     if manual.sample_language() != "xml" {
         return findings_of_node(node_of(name).with("no_such_parameter", ""));
@@ -150,7 +150,7 @@ fn findings_of_spoiled_sample(class: Class, name: &str, manual: &Manual) -> Vec<
     findings(&scene_around(class, &spoiled))
 }
 
-/// The parameters that the code asks for, as the warning about an unknown one lists them.
+/// The parameters that the code reads, as listed by the warning about an unknown one.
 fn asked(class: Class, name: &str, manual: &Manual) -> Vec<String> {
     let found = findings_of_spoiled_sample(class, name, manual);
     let warning = found
@@ -162,7 +162,7 @@ fn asked(class: Class, name: &str, manual: &Manual) -> Vec<String> {
         .unwrap_or_else(|| panic!("`{name}` accepts anything: {found:?}"));
     let listed = warning.help.join(" ");
     let mut words: Vec<String> = listed.split('`').skip(1).step_by(2).map(str::to_owned).collect();
-    // The plugin itself is named too; it may have a parameter of that name.
+    // The plugin itself is named too; a parameter may have the same name.
     if let Some(place) = words.iter().position(|word| word == name) {
         words.remove(place);
     }
@@ -175,7 +175,7 @@ fn every_parameter_that_is_asked_for_is_in_the_manual_and_none_else() {
     for (class, name, manual) in registry::plugins() {
         let asked = asked(class, name, manual);
         for parameter in manual.parameters {
-            // Objects have any name or none.
+            // Objects may have any name or none.
             let nested = parameter.name == "(nested)"
                 || ["bsdf", "texture", "shape", "curve", "emitter"].contains(&parameter.kind);
             if !nested && !asked.iter().any(|name| name == parameter.name) {

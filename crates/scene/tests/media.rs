@@ -1,4 +1,4 @@
-//! Media, volumes and what refers to them, from scene files.
+//! Media, volumes and references to them, from scene files.
 
 use etendue_document::{Diagnostic, Diagnostics, MemoryResources};
 use etendue_math::Ray;
@@ -47,7 +47,7 @@ fn a_volume_textures_surfaces_by_their_place() {
             <volume name="volume" type="gridvolume"><string name="filename" value="row.vol"/>
             <boolean name="use_grid_bbox" value="true"/></volume></texture></bsdf></shape>"#,
     );
-    // The file's box is 2 wide: the middles of the cells are at 0.25, 0.75, …
+    // The file's box is 2 wide, so the cell centres are at 0.25, 0.75, …
     for (x, expected) in [(0.25, 0.2), (0.5, 0.3), (0.75, 0.4), (-0.5, 0.2)] {
         let ray = Ray { origin: Vec3::new(x, 0.5, 5.0), ..DOWN };
         let surface = scene.intersect(&ray).expect("a hit");
@@ -70,7 +70,7 @@ fn a_shape_knows_the_media_on_its_sides() {
         let surface = surface.expect("a hit");
         let medium_interface = scene.medium_interface(&surface);
         if shapes.contains("cube") {
-            // The cube is as high as the sphere and is met beside its top.
+            // The cube is as high as the sphere; the ray hits it next to the top of the sphere.
             let beside = scene.intersect(&Ray { origin: Vec3::new(0.9, 0.9, 5.0), ..DOWN });
             assert!(scene.medium_interface(&beside.expect("a hit")).is_none());
             continue;

@@ -1,4 +1,4 @@
-//! Picture files that several textures name.
+//! Image files that several textures share.
 
 use etendue_document::{Diagnostics, MemoryResources, Span};
 use etendue_math::Ray;
@@ -13,7 +13,7 @@ fn two_texels() -> Vec<u8> {
     header.chain(numbers.into_iter().flat_map(f32::to_le_bytes)).collect()
 }
 
-/// A unit square in the plane z = 0 around the given x, with a texture of a file.
+/// A unit square in the plane z = 0 around the given x, with the texture of a file.
 fn square(x: i32, file: &str, texture: &str) -> String {
     format!(
         "<shape type='rectangle'>
@@ -26,8 +26,8 @@ fn square(x: i32, file: &str, texture: &str) -> String {
     )
 }
 
-/// Builds a scene, or gives the messages of what was found with their places. Nothing may be found in
-/// a scene that is built.
+/// Builds a scene, or returns its diagnostics with their places. A scene that is built must have
+/// none.
 fn build(shapes: &[String]) -> Result<Scene, Vec<(String, Option<Span>)>> {
     let resources =
         MemoryResources::default().with("a.pfm", two_texels()).with("broken.png", b"no picture");
@@ -43,7 +43,7 @@ fn build(shapes: &[String]) -> Result<Scene, Vec<(String, Option<Span>)>> {
     if found.is_empty() { Ok(scene.expect("a scene")) } else { Err(found) }
 }
 
-/// The albedo of what a ray straight down at (x, 0) hits.
+/// The albedo at the hit of a ray straight down at (x, 0).
 fn color(scene: &Scene, x: f32) -> [f32; 3] {
     let surface = scene.intersect(&Ray::new(Vec3::new(x, 0.0, 5.0), -Vec3::Z)).expect("a hit");
     scene.prepare_bsdf(&surface).albedo(surface.wi).rgb()

@@ -1,4 +1,4 @@
-//! Signed distances on a grid: the hits of Mitsuba's.
+//! Signed distance grids: hits compared with Mitsuba's.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_math::Ray;
@@ -19,9 +19,10 @@ fn scene(normals: &str) -> Scene {
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }
 
-/// `mitsuba_distances.txt` holds what `scalar_rgb` of version 3.9.1 says: a line a ray, with the kind of
-/// normals, origin and direction, then t and the geometric and shading normals, or `miss`. The grid is
-/// a ball with noise, 6×6×6: that version loses most of the surface where the sides differ.
+/// `mitsuba_distances.txt` holds the results of `scalar_rgb` in version 3.9.1. Each line is a ray:
+/// the kind of normals, origin and direction, then t and the geometric and shading normals, or
+/// `miss`. The grid is a noisy ball of 6×6×6 values; with unequal sides, that version loses most
+/// of the surface.
 #[test]
 fn rays_hit_where_they_do_in_mitsuba() {
     let scenes = ["smooth", "analytic"].map(|normals| (normals, scene(normals)));

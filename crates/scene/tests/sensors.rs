@@ -1,4 +1,4 @@
-//! Sensors that are no cameras: rays against what their pages say.
+//! Sensors that are not cameras: rays compared with the manual pages.
 
 use etendue_document::{Diagnostics, MemoryResources, Severity};
 use etendue_mitsuba::{LoadOptions, read_text};
@@ -8,11 +8,11 @@ use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// The film of sensors that measure one number.
+/// The film of sensors that measure a single number.
 const PIXEL: &str = r#"<film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/></film>"#;
 
-/// A scene of the given elements, which build without a finding, with a sphere of radius 2 about
-/// (1, 0, 0).
+/// A scene of the given elements, with a sphere of radius 2 around (1, 0, 0). It must build without
+/// diagnostics.
 fn scene(elements: &str) -> Scene {
     let diagnostics = Diagnostics::new();
     let files = MemoryResources::default();
@@ -51,7 +51,7 @@ fn a_radiancemeter_is_one_ray() {
     }
 }
 
-/// E[cos θ] of directions in proportion to the cosine is 2/3, with a standard deviation of √(1/18).
+/// E[cos θ] of cosine-weighted directions is 2/3, with a standard deviation of √(1/18).
 #[test]
 fn an_irradiancemeter_counts_what_arrives_on_its_front() {
     let meter = format!("<sensor type=\"irradiancemeter\">{PIXEL}</sensor>");
@@ -89,7 +89,7 @@ fn a_distant_sensor_looks_from_outside_at_its_target() {
         let aside = found.ray.origin - centre;
         second_moment += aside.x.hypot(aside.z).powi(2) / radius.powi(2) / 2000.0;
     }
-    // r² is uniform in [0, 1] on a disk: a mean of 1/2, a standard deviation of √(1/12).
+    // r² is uniform in [0, 1] on a disk: mean 1/2, standard deviation √(1/12).
     assert!((second_moment - 0.5).abs() < 4.0 * (1.0_f32 / 12.0 / 2000.0).sqrt());
 
     let point = scene(&sensor(r#"<point name="target" x="0.3" y="1" z="-0.5"/>"#));

@@ -1,4 +1,4 @@
-//! Rays that leave a surface do not meet it again, and do not pass over what stands on it.
+//! Rays that leave a surface do not hit it again, and do not miss objects on it.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_math::Ray;
@@ -20,7 +20,7 @@ fn scene(elements: &str) -> Scene {
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }
 
-/// Convex shapes, each turned so that its coordinates are both tiny and large.
+/// Convex shapes, each rotated so that coordinates are both tiny and large.
 const SHAPES: [&str; 5] = ["rectangle", "disk", "sphere", "cube", "cylinder"];
 const TURNS: [&str; 3] = [
     r#"<rotate x="1" angle="-90"/>"#,
@@ -28,7 +28,7 @@ const TURNS: [&str; 3] = [
     r#"<rotate x="1" y="2" z="-0.5" angle="37"/>"#,
 ];
 
-/// A floor in the plane y = 0 met its own rays: the error bound of a point on it is nothing, while
+/// A floor in the plane y = 0 used to hit its own rays: the error bound of its points is zero, but
 /// the triangle test rounds in proportion to the triangle's size.
 #[test]
 fn outward_rays_never_meet_a_convex_shape_again() {
@@ -64,7 +64,7 @@ fn assert_leaves(scene: &Scene, random: &mut TestRng, name: &str) {
         for _ in 0..20 {
             let direction = random.unit_vector();
             let direction = if direction.dot(outward) < 0.0 { -direction } else { direction };
-            // The inside of a tube sees the tube; only its outside is convex.
+            // The inside of a tube faces itself; only its outside is convex.
             let inside = name.starts_with("cylinder") && outward != surface.normal;
             if !inside && direction.dot(outward) > 1e-4 {
                 let again = scene.intersect(&surface.spawn_ray(direction));
@@ -78,7 +78,7 @@ fn assert_leaves(scene: &Scene, random: &mut TestRng, name: &str) {
     assert!(hits > 30, "{name}: {hits} hits");
 }
 
-/// A small step on a large floor is still met by rays that leave right in front of it.
+/// Rays that leave a large floor right in front of a small step still hit the step.
 #[test]
 fn rays_do_not_pass_over_what_stands_on_the_floor() {
     let scene = scene(

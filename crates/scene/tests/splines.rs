@@ -1,4 +1,4 @@
-//! Surfaces of revolution: no crossing is missed, none is invented.
+//! Surfaces of revolution: crossings are neither missed nor invented.
 
 #[path = "common/splines.rs"]
 mod splines;
@@ -7,7 +7,7 @@ use etendue_testkit::TestRng;
 use rayon::prelude::*;
 use splines::{Counts, random_subject};
 
-/// Casts rays at random profiles and compares every crossing with what another solver finds.
+/// Casts rays at random profiles and compares every crossing with an independent solver.
 fn compare(subjects: u64, rays: u64) -> Counts {
     let counts = (0..subjects).into_par_iter().map(|seed| {
         let mut random = TestRng::new(seed);

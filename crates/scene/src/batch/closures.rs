@@ -1,4 +1,4 @@
-//! The closures of several hits, one to a lane.
+//! The closures of several hits, one per lane.
 
 #[cfg(test)]
 mod tests;
@@ -15,19 +15,19 @@ use crate::texture::Textures;
 use etendue_math::lanes::{LaneArray, LaneMask, Lanes, MAX_LANES, Real, Simd, Vector2, Vector3};
 use etendue_spectrum::SpectrumLanes;
 
-/// The closures of up to [`MAX_LANES`] hits, all of one kind. Directions are in the shading frames of
-/// the hits; what `twosided` does is done here. Light is carried as [`Transport::Radiance`].
+/// The closures of up to [`MAX_LANES`] hits, all of one kind. Directions are in the shading frames
+/// of the hits. `twosided` is applied here. The closures carry [`Transport::Radiance`].
 ///
-/// Lanes that were never set hold closures all of whose numbers are zero.
+/// In lanes that were never set, all numbers of the closures are zero.
 #[derive(Clone, Debug)]
 pub struct ClosureBatch<'a> {
     kind: LaneKind,
-    /// A bit for each lane whose material is the same from both sides.
+    /// A bit for each lane with a two-sided material.
     two_sided: u32,
     columns: [LaneArray; COLUMNS],
-    /// What rough coats let through.
+    /// The tables of rough coats.
     coats: [&'a CoatTable; MAX_LANES],
-    /// The coat of all lanes since the last restart, if they share one.
+    /// The coat of all lanes set since the last restart, if they share one.
     shared_coat: SharedCoat<'a>,
 }
 
@@ -36,14 +36,14 @@ pub struct ClosureBatch<'a> {
 enum SharedCoat<'a> {
     /// No lane has been set.
     Unset,
-    /// All have this one.
+    /// All lanes have this one.
     One(&'a CoatTable),
-    /// They do not.
+    /// The lanes have different ones.
     Many,
 }
 
-/// Makes `with_closure!` from the list of BSDFs: it computes `$work` with the closure of the kind that
-/// `$lanes` holds, loaded into as many lanes as the machine has.
+/// Generates `with_closure!` from the list of BSDFs. It evaluates `$work` with the closure of the
+/// kind of `$lanes`, loaded into as many lanes as the machine has.
 macro_rules! closure_dispatch {
     (
         batched { $($module:ident => $name:ident [$($kind:ident: $variant:expr),*];)* }
@@ -77,7 +77,7 @@ impl<'a> ClosureBatch<'a> {
         Self { kind, two_sided: 0, columns, coats, shared_coat: SharedCoat::Unset }
     }
 
-    /// Begins anew with another kind. Lanes that are not set from now on hold anything.
+    /// Starts again with another kind. Lanes not set afterwards hold arbitrary values.
     #[inline(always)]
     pub fn restart(&mut self, kind: LaneKind) {
         self.kind = kind;
@@ -85,7 +85,7 @@ impl<'a> ClosureBatch<'a> {
         self.shared_coat = SharedCoat::Unset;
     }
 
-    /// Resolves a material of this kind at a hit into a lane.
+    /// Resolves a material of this kind at a hit and stores it in a lane.
     #[inline]
     pub fn set(
         &mut self,
@@ -100,7 +100,7 @@ impl<'a> ClosureBatch<'a> {
         transfer(&materials.materials[leaf.index()], textures, surface, &mut numbers);
     }
 
-    /// Puts a material of this kind that [is the same everywhere](Materials::is_uniform) into a lane.
+    /// Stores a material of this kind that [is uniform](Materials::is_uniform) in a lane.
     #[inline]
     pub fn set_uniform(&mut self, lane: usize, materials: Materials<'a>, id: MaterialId) {
         let Some(numbers) = &self.place(lane, materials, id).uniform else { return };
@@ -110,7 +110,7 @@ impl<'a> ClosureBatch<'a> {
         }
     }
 
-    /// What of a lane does not depend on textures.
+    /// Sets the state of a lane that does not depend on textures.
     #[inline(always)]
     fn place(
         &mut self,
@@ -149,7 +149,7 @@ impl<'a> ClosureBatch<'a> {
         })
     }
 
-    /// Chooses `wo` given `wi`, in the lanes from `first` on. `lobe` and `direction` are uniform in
+    /// Samples `wo` given `wi`, in the lanes from `first` on. `lobe` and `direction` are uniform in
     /// [0, 1).
     #[inline(always)]
     #[must_use]
@@ -169,7 +169,7 @@ impl<'a> ClosureBatch<'a> {
         SampleLanes { wo: turned(sample.wo, side), ..sample }
     }
 
-    /// −1 in lanes that look at the back of a material that is the same from both sides, else 1.
+    /// −1 in lanes that see the back of a two-sided material, else 1.
     #[inline(always)]
     fn side<S: Simd>(&self, simd: S, first: usize, wi: Vector3<Lanes<S>>) -> Lanes<S> {
         let one = Lanes::splat(simd, 1.0);
@@ -178,13 +178,13 @@ impl<'a> ClosureBatch<'a> {
     }
 }
 
-/// A direction seen from the other side where `side` is −1.
+/// Mirrors a direction to the other side where `side` is −1.
 #[inline(always)]
 fn turned<R: Real>(v: Vector3<R>, side: R) -> Vector3<R> {
     Vector3::new(v.x, v.y, v.z * side)
 }
 
-/// The numbers of a closure on their way into a lane.
+/// Stores the numbers of a closure in a lane.
 struct ToLane<'a> {
     columns: &'a mut [LaneArray; COLUMNS],
     lane: usize,
@@ -205,7 +205,7 @@ impl Transfer<f32, f32> for ToLane<'_> {
     }
 }
 
-/// The numbers of closures on their way out of the lanes from `first` on.
+/// Loads the numbers of closures from the lanes from `first` on.
 struct FromLanes<'a, S> {
     lanes: &'a ClosureBatch<'a>,
     simd: S,

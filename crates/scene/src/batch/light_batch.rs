@@ -1,4 +1,4 @@
-//! Light in memory, for what is done lane by lane.
+//! Light in memory, for work done lane by lane.
 
 use crate::emitter::{DirectionSample, Target};
 use crate::lanes::{LightLanes, TargetLanes};
@@ -6,7 +6,7 @@ use etendue_math::lanes::{LaneArray, LaneMask, Lanes, Mask as _, Simd, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
-/// Where light is asked for, and with what random numbers.
+/// The points that light is sampled for, and their random numbers.
 #[derive(Default)]
 pub(crate) struct Places {
     pub(crate) reference: [LaneArray; 3],
@@ -22,7 +22,7 @@ impl Places {
     }
 }
 
-/// [`LightLanes`] in memory; at first no light at all.
+/// [`LightLanes`] in memory, initially without light.
 #[derive(Default)]
 pub(crate) struct LightBatch {
     direction: [LaneArray; 3],
@@ -31,7 +31,7 @@ pub(crate) struct LightBatch {
     point: [LaneArray; 3],
     error: [LaneArray; 3],
     normal: [LaneArray; 3],
-    /// A bit for each lane, as in the others.
+    /// A bit for each lane; so are the other masks.
     delta: u32,
     exists: u32,
     afar: u32,
@@ -68,7 +68,7 @@ impl LightBatch {
         }
     }
 
-    /// Puts light in a lane that has none yet.
+    /// Stores light in a lane that has none yet.
     pub(crate) fn set(&mut self, lane: usize, light: &DirectionSample) {
         Vector3::from(light.direction).put(&mut self.direction, lane);
         SpectrumLanes::from(light.radiance).put(&mut self.radiance, lane);

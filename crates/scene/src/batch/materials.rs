@@ -1,4 +1,4 @@
-//! What batches know of materials: of which kind their closures are, and their numbers.
+//! What batches know about materials: the kind of their closures, and their numbers.
 
 use crate::bsdf::{self, Bsdf, ClosureMaterial, Gather, LaneMaterial, Material, bsdf_list};
 use crate::ids::MaterialId;
@@ -10,7 +10,8 @@ use crate::texture::Textures;
 use etendue_math::Frame;
 use glam::{Vec2, Vec3};
 
-/// Makes [`LaneKind`], and all that depends on the kind of a closure, from the list of BSDFs.
+/// Generates [`LaneKind`], and everything that depends on the kind of a closure, from the list of
+/// BSDFs.
 macro_rules! lane_kinds {
     (
         batched { $($module:ident => $name:ident [$($kind:ident: $variant:expr),*];)* }
@@ -19,7 +20,7 @@ macro_rules! lane_kinds {
         aliases $aliases:tt
     ) => {
         /// The kinds of closures that lanes can hold. Within a kind there are no branches on
-        /// parameters. Those with microfacets sample their visible normals.
+        /// parameters. Those with microfacets sample visible normals.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum LaneKind {
             $($(
@@ -29,10 +30,10 @@ macro_rules! lane_kinds {
         }
 
         impl LaneKind {
-            /// How many there are.
+            /// The number of kinds.
             pub const COUNT: usize = [$($(Self::$kind),*),*].len();
 
-            /// All kinds, each at its [`index`](Self::index).
+            /// All kinds; each is at its [`index`](Self::index).
             pub const ALL: [Self; Self::COUNT] = [$($(Self::$kind),*),*];
 
             /// Whether any lobe is smooth, so that next-event estimation can find light.
@@ -44,7 +45,7 @@ macro_rules! lane_kinds {
                 }
             }
 
-            /// How many numbers a closure consists of.
+            /// How many numbers a closure has.
             #[inline(always)]
             pub(super) const fn columns(self) -> usize {
                 match self {
@@ -52,7 +53,7 @@ macro_rules! lane_kinds {
                 }
             }
 
-            /// Whether closures look up what a rough coat lets through.
+            /// Whether closures use the tables of a rough coat.
             #[inline(always)]
             pub(super) fn has_coat(self) -> bool {
                 match self {
@@ -60,7 +61,7 @@ macro_rules! lane_kinds {
                 }
             }
 
-            /// The kind of a material's closures; `None` where lanes cannot hold them.
+            /// The kind of a material's closures; `None` if lanes cannot hold them.
             fn of(material: &Material) -> Option<Self> {
                 match material {
                     $(Material::$name(material) => {
@@ -75,7 +76,7 @@ macro_rules! lane_kinds {
             }
         }
 
-        /// Whether a material that lanes can hold reads no textures.
+        /// Whether a material that lanes can hold has no textures.
         fn is_uniform(material: &Material) -> bool {
             match material {
                 $(Material::$name(material) => material.is_uniform(),)*
@@ -84,7 +85,7 @@ macro_rules! lane_kinds {
             }
         }
 
-        /// What a material that lanes can hold lets through, if it is a rough coat.
+        /// The tables of a material that lanes can hold, if it is a rough coat.
         #[inline(always)]
         pub(super) fn coat(material: &Material) -> &CoatTable {
             match material {
@@ -94,7 +95,8 @@ macro_rules! lane_kinds {
             }
         }
 
-        /// Resolves a material that lanes can hold at a hit, and shows the numbers of its closure.
+        /// Resolves a material that lanes can hold at a hit, and passes on the numbers of its
+        /// closure.
         #[inline(always)]
         pub(super) fn transfer(
             material: &Material,
@@ -116,7 +118,7 @@ macro_rules! lane_kinds {
 bsdf_list!(lane_kinds);
 
 impl LaneKind {
-    /// The place among all kinds.
+    /// The index among all kinds.
     #[inline(always)]
     #[must_use]
     pub fn index(self) -> usize {
@@ -124,12 +126,12 @@ impl LaneKind {
     }
 }
 
-/// How many numbers a closure of a material consists of.
+/// How many numbers a closure of a material has.
 const fn columns_of<M: LaneMaterial>() -> usize {
     <M::Blank as Columns<f32>>::COUNT
 }
 
-/// The most numbers that a closure consists of.
+/// The most numbers that a closure has.
 pub(super) const COLUMNS: usize = {
     let (mut most, mut index) = (0, 0);
     while index < LaneKind::COUNT {
@@ -140,19 +142,19 @@ pub(super) const COLUMNS: usize = {
     most
 };
 
-/// What batches know of a material, whatever the hit.
+/// What batches know about a material, independent of the hit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BatchMaterial {
     kind: Option<LaneKind>,
-    /// The material itself, or the one that `twosided` puts on both sides.
+    /// The material, or the one inside `twosided`.
     pub(crate) leaf: MaterialId,
     pub(crate) is_two_sided: bool,
-    /// The numbers of its closure where they are the same everywhere.
+    /// The numbers of its closure, if they are the same everywhere.
     pub(crate) uniform: Option<[f32; COLUMNS]>,
 }
 
 impl BatchMaterial {
-    /// Looks at all materials of a scene.
+    /// Analyses all materials of a scene.
     pub(crate) fn of_all(materials: &[Material]) -> Vec<Self> {
         let ids = 0..materials.len() as u32;
         ids.map(|index| Self::of(materials, MaterialId(index))).collect()
@@ -166,7 +168,7 @@ impl BatchMaterial {
         let material = &materials[leaf.index()];
         let kind = LaneKind::of(material);
         let uniform = (kind.is_some() && is_uniform(material)).then(|| {
-            // No texture is read, so any place will do.
+            // No texture is read, so any point will do.
             let anywhere = SurfaceInteraction::at_uv(Vec2::ZERO, Frame::from_normal(Vec3::Z));
             let mut numbers = Numbers { numbers: [0.0; COLUMNS], count: 0 };
             transfer(material, Textures(&[]), &anywhere, &mut numbers);
@@ -199,12 +201,12 @@ impl Transfer<f32, f32> for Numbers {
 pub struct Materials<'a> {
     /// The materials.
     pub materials: &'a [Material],
-    /// What batches know of each.
+    /// What batches know about each of them.
     pub(crate) batch: &'a [BatchMaterial],
 }
 
 impl<'a> Materials<'a> {
-    /// Resolves a material at a hit: every texture is read here, and nowhere else.
+    /// Resolves a material at a hit. Textures are read only here.
     #[inline]
     #[must_use]
     pub fn prepare(
@@ -216,22 +218,22 @@ impl<'a> Materials<'a> {
         Gather { materials: self.materials, textures, surface }.prepare(id)
     }
 
-    /// The kind of closure that a material is, or has on both its sides; `None` where lanes cannot
-    /// hold it.
+    /// The kind of a material's closure; for `twosided`, that of the material inside. `None` if
+    /// lanes cannot hold it.
     #[inline(always)]
     #[must_use]
     pub fn lane_kind(&self, id: MaterialId) -> Option<LaneKind> {
         self.batch[id.index()].kind
     }
 
-    /// Whether a material that lanes can hold is the same from both sides.
+    /// Whether a material that lanes can hold is two-sided.
     #[inline(always)]
     #[must_use]
     pub fn is_two_sided(&self, id: MaterialId) -> bool {
         self.batch[id.index()].is_two_sided
     }
 
-    /// Whether a material that lanes can hold is the same everywhere: it has no textures.
+    /// Whether a material that lanes can hold is uniform, that is, has no textures.
     #[inline(always)]
     #[must_use]
     pub fn is_uniform(&self, id: MaterialId) -> bool {

@@ -1,4 +1,4 @@
-//! Files: found, read, hashed and decoded, several at once.
+//! Files: found, read, hashed and decoded in parallel.
 
 use super::input::{BuildOptions, Identity, SceneInput};
 use crate::cache::{AssetCache, Digest, NodeDigests};
@@ -22,45 +22,45 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use xxhash_rust::xxh3::xxh3_128;
 
-/// What plugins are built from: the document, bytes by name, and where findings go.
+/// The input of plugins: the document, files by name, and diagnostics.
 pub struct Assets<'a> {
-    /// What the user wrote.
+    /// The scene as the user wrote it.
     pub document: &'a Document,
     /// Bytes by name.
     pub resources: &'a dyn Resources,
     /// Where errors and warnings go.
     pub diagnostics: &'a Diagnostics,
-    /// What earlier scenes were made of, and where what this one is made of is kept.
+    /// The parts of earlier scenes; also keeps those of this scene.
     pub(super) cache: Option<&'a AssetCache>,
-    /// Of every node, where anybody asks for them.
+    /// The digests of all nodes, if there is a cache.
     pub(super) digests: Option<Arc<NodeDigests>>,
     skip_missing: bool,
     log: Mutex<Log>,
 }
 
-/// What became of the files that were asked for.
+/// The results of file requests.
 #[derive(Default)]
 struct Log {
     read: Vec<FileRead>,
-    /// Files that were not found, and where they are named.
+    /// Files that were not found, and where the scene names them.
     not_found: Vec<(Span, NotFound)>,
 }
 
 /// A file that was read.
 #[derive(Clone)]
 pub(super) struct FileRead {
-    /// As the scene names it.
+    /// Its name in the scene.
     pub(super) name: String,
-    /// Where the scene names it.
+    /// The place of that name in the scene.
     pub(super) span: Span,
-    /// Where it was found.
+    /// Its path on disk.
     pub(super) path: PathBuf,
-    /// XXH3 of its bytes with 128 bits, which takes a fifth of the time of BLAKE3. That was a sixteenth
-    /// of loading a large scene. Chance cannot make two files agree.
+    /// 128-bit XXH3 of its bytes. It takes a fifth of the time of BLAKE3, which was a sixteenth of
+    /// loading a large scene. An accidental collision is practically impossible.
     pub(super) hash: u128,
 }
 
-/// Near names are sought for this many missing files: for each, whole folders are listed.
+/// The most missing files that get suggestions; each suggestion lists whole folders.
 const SUGGESTED: usize = 20;
 
 impl Debug for Assets<'_> {
@@ -78,27 +78,27 @@ pub(super) struct Decoded<'a> {
     pub(super) texture: Option<Texture>,
 }
 
-/// Something made of a node, and a digest of all that decides it, its files included.
+/// A value made from a node, and a digest of all its inputs, including files.
 pub(super) struct Made<T> {
     pub(super) value: T,
-    /// Zero where nothing is kept.
+    /// Zero without a cache.
     pub(super) digest: u128,
 }
 
-/// The geometry of a shape, built ahead of its material.
+/// The geometry of a shape, built before its material.
 pub(super) struct LoadedShape<'a> {
     pub(super) parameters: Parameters<'a>,
     pub(super) geometry: Option<Made<Geometry>>,
 }
 
-/// Everything that could be built in parallel.
+/// Everything that is built in parallel.
 pub(super) struct Loaded<'a> {
     pub(super) geometry: HashMap<NodeId, LoadedShape<'a>>,
     pub(super) textures: HashMap<NodeId, Decoded<'a>>,
 }
 
 impl<'a> Assets<'a> {
-    /// Nothing read yet.
+    /// Assets without any files read.
     #[must_use]
     pub fn new(
         document: &'a Document,
@@ -116,8 +116,7 @@ impl<'a> Assets<'a> {
         }
     }
 
-    /// The same where a missing file is a warning, if `options` say so, and which keep what is
-    /// expensive in a cache.
+    /// Assets with the cache of `input`. A missing file is a warning if `options` say so.
     pub(super) fn of(
         input: &SceneInput<'a>,
         diagnostics: &'a Diagnostics,
@@ -131,12 +130,12 @@ impl<'a> Assets<'a> {
         }
     }
 
-    /// The same with a log of its own, which tells `diagnostics` what it finds.
+    /// The same assets with a separate log and separate `diagnostics`.
     pub(super) fn recording<'b>(&'b self, diagnostics: &'b Diagnostics) -> Assets<'b> {
         Assets { diagnostics, digests: self.digests.clone(), log: Mutex::default(), ..*self }
     }
 
-    /// Takes over the log of [`Self::recording`]; returns the files that it holds.
+    /// Merges the log of [`Self::recording`]; returns the files that it read.
     pub(super) fn absorb(&self, recording: Assets<'_>) -> Vec<FileRead> {
         let Log { read, not_found } =
             recording.log.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -145,20 +144,20 @@ impl<'a> Assets<'a> {
         read
     }
 
-    /// Counts files as read.
+    /// Records files as read.
     pub(super) fn note_files(&self, files: Vec<FileRead>) {
         self.log().read.extend(files);
     }
 
-    /// A thread that panicked while it held the lock cannot have left an entry half written.
+    /// Ignores poisoning: a panicking thread leaves no half-written entry.
     fn log(&self) -> MutexGuard<'_, Log> {
         self.log.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Builds the geometry of all shapes and decodes all pictures, several at once.
+    /// Builds the geometry of all shapes and decodes all images in parallel.
     pub(super) fn load(&self) -> Loaded<'_> {
         let (pictures, shapes) = self.find();
-        // Sizes differ by a thousand: each file is stolen alone.
+        // Sizes differ by a factor of a thousand, so each file is a task.
         let (pictures, shapes) = rayon::join(
             || {
                 let textures = |textures| self.load_textures(textures);
@@ -176,23 +175,23 @@ impl<'a> Assets<'a> {
         }
     }
 
-    /// What is built ahead of the nodes that hold it: the textures that show pictures, those of each
-    /// file together, and shapes with geometry of their own.
+    /// The nodes that are built early: image textures, grouped by file, and shapes with their own
+    /// geometry.
     fn find(&self) -> (Vec<Vec<Parameters<'_>>>, Vec<NodeId>) {
         let is_composite = |plugin| COMPOSITE_SHAPES.iter().any(|entry| entry.name == plugin);
         let (mut shapes, mut textures) = (Vec::new(), Vec::new());
         for id in (0..self.document.nodes.len() as u32).map(NodeId) {
             let node = self.document.node(id);
             match (node.class, node.plugin.as_str()) {
-                // The lack of a type has been reported where the text was read.
+                // A missing type was reported when the text was read.
                 (_, "") => {}
                 (Class::Shape, plugin) if !is_composite(plugin) => shapes.push(id),
                 (Class::Texture, "bitmap") => textures.push(id),
                 _ => {}
             }
         }
-        // To look for a file may take long: several at once. Textures that name none, or one that is
-        // missing, stay alone and report that.
+        // Finding a file may take long, so it runs in parallel. Textures without a file, or with a
+        // missing one, stay single and report that.
         let textures: Vec<_> = textures
             .into_par_iter()
             .map(|texture| {
@@ -215,7 +214,7 @@ impl<'a> Assets<'a> {
         self.document.resolve(name, span, self.resources).ok()
     }
 
-    /// The textures that show one file.
+    /// The textures that share a file.
     fn load_textures<'p>(&self, all: Vec<Parameters<'p>>) -> Vec<Decoded<'p>> {
         let textures = bitmap::load(self, &all);
         let decoded = |(parameters, texture): (_, Option<_>)| {
@@ -237,16 +236,16 @@ impl<'a> Assets<'a> {
         LoadedShape { parameters, geometry }
     }
 
-    /// The bytes of the file that the parameter `name` names, and where it was found; `None` after
-    /// reporting what went wrong.
+    /// The bytes of the file that the parameter `name` names, and its path; `None` after an error
+    /// has been reported.
     #[must_use]
     pub fn read_file(&self, parameters: &Parameters<'_>, name: &str) -> Option<(PathBuf, Vec<u8>)> {
         let file_name = parameters.required_string(name)?;
         self.read_named_file(file_name, parameters.span_of(name))
     }
 
-    /// The bytes of the file that is called `file_name` at `span`; `None` where there is none, which
-    /// is reported when the scene is complete, and after reporting what else went wrong.
+    /// The bytes of the file `file_name`, named at `span`. `None` if there is none, which is
+    /// reported once the scene is complete, or after another error has been reported.
     #[must_use]
     pub fn read_named_file(&self, file_name: &str, span: Span) -> Option<(PathBuf, Vec<u8>)> {
         let path = match self.document.resolve(file_name, span, self.resources) {
@@ -280,14 +279,14 @@ impl<'a> Assets<'a> {
         }
     }
 
-    /// Where the file that is called `file_name` at `span` lies, if there is one and anything that was
-    /// made of it may be kept.
+    /// The path of the file `file_name`, named at `span`. `None` if it is missing or there is no
+    /// cache.
     pub(crate) fn find_kept_file(&self, file_name: &str, span: Span) -> Option<PathBuf> {
         self.cache?;
         self.document.resolve(file_name, span, self.resources).ok()
     }
 
-    /// What has been made of a file for an earlier scene, in the way that `way` names.
+    /// The value that an earlier scene made from a file by the method `way`.
     pub(crate) fn kept_of_file<T: Any + Clone + Send + Sync>(
         &self,
         path: &Path,
@@ -298,7 +297,7 @@ impl<'a> Assets<'a> {
         Some(kept.value.clone())
     }
 
-    /// Keeps what was made of a file, which has been read, in the way that `way` names.
+    /// Keeps a value made from a file by the method `way`. The file has been read.
     pub(crate) fn keep_of_file<T: Any + Clone + Send + Sync>(
         &self,
         path: &Path,
@@ -313,7 +312,7 @@ impl<'a> Assets<'a> {
         cache.keep(file_digest(path, way), Arc::new(kept), vec![path.to_owned()]);
     }
 
-    /// Reports a shape without any surface, and one that reaches beyond all numbers.
+    /// Reports a shape without surfaces, and one whose bounds are not finite.
     pub(super) fn check_extent(&self, geometry: &Geometry, span: Span) {
         if geometry.primitive_count() == 0 {
             let message = "this mesh has no triangles: there is nothing of it to be seen";
@@ -323,7 +322,7 @@ impl<'a> Assets<'a> {
         }
     }
 
-    /// Reports a shape that reaches beyond all numbers.
+    /// Reports a shape whose bounds are not finite.
     pub(super) fn check_bounds(&self, bounds: &Bounds3, span: Span) {
         if !(bounds.min.is_finite() && bounds.max.is_finite()) {
             let message = "this shape reaches beyond what single precision can hold";
@@ -331,8 +330,8 @@ impl<'a> Assets<'a> {
         }
     }
 
-    /// Reports the files that were not found, in the order of the page, those that come first with
-    /// the names of files that resemble them. To be called when everything has been built.
+    /// Reports the files that were not found, in document order. The first ones get suggestions of
+    /// similar names. Call this once everything has been built.
     pub fn report_not_found(&self) {
         let mut list = std::mem::take(&mut self.log().not_found);
         list.sort_by_key(|(span, _)| *span);
@@ -347,13 +346,13 @@ impl<'a> Assets<'a> {
         }
     }
 
-    /// How bad a missing file is.
+    /// The severity of a missing file.
     fn missing(&self) -> Severity {
         if self.skip_missing { Severity::Warning } else { Severity::Error }
     }
 
-    /// Reads the file that `filename` names as a mesh, and places it; `None` after reporting what
-    /// went wrong. `options` are read first, so that their mistakes show as well.
+    /// Reads the mesh file of the parameter `filename` and transforms it; `None` after an error has
+    /// been reported. `options` are read first, so that their errors are reported as well.
     #[must_use]
     pub fn read_mesh(
         &self,
@@ -372,7 +371,7 @@ impl<'a> Assets<'a> {
             .ok()
     }
 
-    /// The hash of everything the scene was built from: the texts or the nodes, and every file read.
+    /// The hash of all inputs of the scene: its texts or nodes, and every file read.
     pub(super) fn content_hash(&self, identity: Identity) -> [u8; 32] {
         let mut hasher = blake3::Hasher::new();
         let texts = self.document.sources.iter();
@@ -386,7 +385,7 @@ impl<'a> Assets<'a> {
                 hasher.update(bytes);
             });
         }
-        // Each once, in an order that no thread decides.
+        // Each file once, in an order that does not depend on threads.
         let log = self.log();
         let hashes: BTreeMap<&Path, u128> =
             log.read.iter().map(|file| (file.path.as_path(), file.hash)).collect();
@@ -397,7 +396,7 @@ impl<'a> Assets<'a> {
     }
 }
 
-/// What was made of a file, and the file.
+/// A value made from a file, and the file.
 struct OfFile<T> {
     value: T,
     file: FileRead,

@@ -1,4 +1,4 @@
-//! Attributes of meshes: which of them textures read, and where.
+//! Mesh attributes: which of them textures read, and where.
 
 use super::Builder;
 use crate::ids::ShapeId;
@@ -9,7 +9,7 @@ use etendue_document::{Class, Fault, NodeId, Parameters, Value, list_names};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
-/// What textures of a shape read, by who holds the texture.
+/// The attributes that the textures of a shape read, by the owner of the texture.
 #[derive(Default)]
 struct Wanted {
     by_materials: BTreeSet<String>,
@@ -17,7 +17,7 @@ struct Wanted {
 }
 
 impl Builder<'_> {
-    /// Keeps of a mesh's attributes those that its material reads, and reports those that it lacks.
+    /// Keeps only the mesh attributes that its material reads, and reports missing ones.
     pub(super) fn keep_attributes(&self, shape: &Parameters<'_>, geometry: &mut Geometry) {
         let wanted = self.wanted_attributes(shape.node());
         if !wanted.by_lights.is_empty() {
@@ -53,7 +53,7 @@ impl Builder<'_> {
         mesh.retain_attributes(|attribute| wanted.by_materials.contains(&attribute.name));
     }
 
-    /// The attributes that the textures within a node read.
+    /// The attributes that the textures below a node read.
     fn wanted_attributes(&self, shape: NodeId) -> Wanted {
         let mut wanted = Wanted::default();
         if !self.has_attribute_textures {
@@ -74,7 +74,7 @@ impl Builder<'_> {
             for child in &node.children {
                 let class = self.assets.document.node(child.node).class;
                 let in_light = in_light || class == Class::Emitter;
-                // Shapes are asked themselves.
+                // Shapes are visited on their own.
                 if class != Class::Shape && seen.insert((child.node, in_light)) {
                     open.push((child.node, in_light));
                 }
@@ -83,7 +83,7 @@ impl Builder<'_> {
         wanted
     }
 
-    /// Gives every `mesh_attribute` texture its values, once all shapes have their ids.
+    /// Gives every `mesh_attribute` texture its values once all shapes have their ids.
     pub(super) fn connect_attributes(&mut self, shapes: &mut [Shape]) {
         // Several textures may read the same attribute.
         let mut known: HashMap<(usize, &str), Arc<TriangleValues>> = HashMap::new();

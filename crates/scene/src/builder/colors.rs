@@ -29,7 +29,7 @@ impl Builder<'_> {
         usage: SpectrumUse,
     ) -> Option<ColorSource> {
         if let Some(child) = parameters.child(name) {
-            // A missing picture has been reported; grey stands for it where that is allowed.
+            // A missing image has been reported. If that is only a warning, grey replaces it.
             let grey = ColorSource::Constant(Spectrum::splat(0.5));
             if self.assets.document.node(child.node).class != Class::Texture {
                 parameters.error(Fault::BadValue, name, "expected a colour or a texture");
@@ -175,8 +175,8 @@ impl Builder<'_> {
     }
 }
 
-/// The colour of a measured spectrum. What the conversion would quietly limit is reported: negative
-/// values, and reflectances above one.
+/// The colour of a measured spectrum. Reports values that the conversion would clamp silently:
+/// negative ones, and reflectances above one.
 fn sampled_color(
     parameters: &Parameters<'_>,
     name: &str,

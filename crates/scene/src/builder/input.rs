@@ -1,44 +1,44 @@
-//! What a scene is built from, and what the user of the library decides about it.
+//! The input of a scene, and the options of the library's user.
 
 use crate::cache::AssetCache;
 use etendue_bvh::Tier;
 use etendue_document::{Document, Resources};
 use std::sync::Arc;
 
-/// What a scene is built from.
+/// The input of a scene.
 #[derive(Clone, Copy)]
 pub struct SceneInput<'a> {
-    /// What the user wrote.
+    /// The scene as the user wrote it.
     pub document: &'a Document,
     /// Bytes by name.
     pub resources: &'a dyn Resources,
-    /// What the scene's hash is taken over.
+    /// The input of the scene's hash.
     pub identity: Identity,
-    /// What earlier scenes were made of. It also keeps what this one is made of.
+    /// The parts of earlier scenes; also keeps those of this scene.
     pub cache: Option<&'a Arc<AssetCache>>,
 }
 
-/// What the hash of a scene is taken over, beside the files that it names.
+/// The input of a scene's hash, apart from the files that it names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Identity {
-    /// The texts of the document, where it is what they say.
+    /// The texts of the document, if they define it.
     Texts,
-    /// The nodes of the document, where it was made or changed in code.
+    /// The nodes of the document, if code made or changed it.
     Nodes,
 }
 
-/// What the user of the library decides about a scene, over what its file says.
+/// Options of the library's user, which override the scene file.
 #[derive(Clone, Debug, Default)]
 pub struct BuildOptions {
     /// The film's width and height in pixels.
     pub film_size: Option<[u32; 2]>,
-    /// The part of the film that is rendered: x, y, width and height in pixels.
+    /// The crop of the film: x, y, width and height in pixels.
     pub crop: Option<[u32; 4]>,
     /// The film's reconstruction filter, by its XML `type`.
     pub filter: Option<String>,
-    /// Whether a missing file is a warning, and the rest of the scene goes on.
+    /// Whether a missing file is only a warning, so that the scene is built without it.
     pub skip_missing: bool,
-    /// The instructions that rays use; the fastest of this machine if none are named. The hits are
-    /// the same.
+    /// The instruction set for rays; by default the fastest of this machine. Hits do not depend on
+    /// it.
     pub tier: Option<Tier>,
 }

@@ -1,4 +1,4 @@
-//! What is made of one node and its files alone, kept with everything else that making it did.
+//! Keeps values made from a node and its files, together with their side effects.
 
 use super::assets::{Assets, FileRead, Made};
 use crate::cache::Digest;
@@ -7,7 +7,7 @@ use std::any::Any;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A value and what making it did: parameters were read, files were read, problems were reported.
+/// A value and its side effects: parameters read, files read, problems reported.
 struct Kept<T> {
     value: T,
     digest: u128,
@@ -22,7 +22,7 @@ struct Finding {
     diagnostic: Diagnostic,
 }
 
-/// A place within a node, which may have another span in another document.
+/// A place within a node, independent of the document's spans.
 #[derive(Clone, Copy)]
 enum Place {
     Node,
@@ -31,7 +31,7 @@ enum Place {
 }
 
 impl Place {
-    /// `None` where a span is none of the node's.
+    /// `None` if the span is not one of the node's.
     fn of(span: Span, node: &FlatNode) -> Option<Self> {
         if span == node.span {
             return Some(Self::Node);
@@ -52,7 +52,7 @@ impl Place {
 }
 
 impl Finding {
-    /// `None` where it lies elsewhere than in the node.
+    /// `None` if it lies outside the node.
     fn new(diagnostic: &Diagnostic, node: &FlatNode) -> Option<Self> {
         let related = diagnostic.related.iter().map(|related| Place::of(related.span, node));
         Some(Self {
@@ -73,10 +73,10 @@ impl Finding {
 }
 
 impl Assets<'_> {
-    /// What `make` makes of a node, or has made of an equal one for an earlier scene.
+    /// The result of `make` for a node, or the kept result of an equal node of an earlier scene.
     ///
-    /// `make` must depend on nothing but the node's parameters, apart from those that `except` names,
-    /// on files, and on children that are neither materials, emitters, media nor sensors.
+    /// `make` may depend only on the node's parameters except those that `except` names, on files,
+    /// and on children that are not materials, emitters, media or sensors.
     pub(crate) fn kept<T: Any + Clone + Send + Sync>(
         &self,
         parameters: &Parameters<'_>,
@@ -86,7 +86,7 @@ impl Assets<'_> {
         self.kept_with_digest(parameters, except, make).map(|made| made.value)
     }
 
-    /// As [`Self::kept`], with the digest of all that decides the value.
+    /// [`Self::kept`], with the digest of all inputs of the value.
     pub(super) fn kept_with_digest<T: Any + Clone + Send + Sync>(
         &self,
         parameters: &Parameters<'_>,
@@ -107,7 +107,7 @@ impl Assets<'_> {
         let own = self.document.parameters(parameters.node(), &findings);
         let value = make(&recording, &own);
         if findings.omitted() > 0 {
-            // Too many to be passed on one by one.
+            // Some findings were dropped, so they cannot be passed on.
             return make(self, parameters).map(|value| Made { value, digest: 0 });
         }
         let findings = findings.sorted();
@@ -130,7 +130,7 @@ impl Assets<'_> {
         Some(made)
     }
 
-    /// Does again what making a value did; not where one of its files is now another one.
+    /// Repeats the side effects of making a value. False if one of its files has changed.
     fn repeat<T>(&self, kept: &Kept<T>, parameters: &Parameters<'_>) -> bool {
         let node = self.document.node(parameters.node());
         let mut files = Vec::with_capacity(kept.files.len());

@@ -13,7 +13,7 @@ use etendue_document::{Class, Fault, NodeId, Parameters};
 use etendue_spectrum::SpectrumUse;
 
 impl Builder<'_> {
-    /// The volume of a `volume` node; `None` after reporting why there is none.
+    /// The volume of a `volume` node; `None` after an error has been reported.
     pub fn volume(&mut self, node: NodeId) -> Option<Volume> {
         if let Some(built) = self.volumes_built.get(&node) {
             return built.clone();
@@ -27,8 +27,8 @@ impl Builder<'_> {
         volume
     }
 
-    /// A parameter that is a volume, or a number or colour that is the same everywhere; `None` after
-    /// reporting what is wrong with it.
+    /// A parameter that is a volume, or a constant number or colour; `None` after an error has been
+    /// reported.
     pub fn volume_or_color(
         &mut self,
         parameters: &Parameters<'_>,
@@ -52,7 +52,7 @@ impl Builder<'_> {
         None
     }
 
-    /// The phase function of a `phase` node; `None` after reporting why there is none.
+    /// The phase function of a `phase` node; `None` after an error has been reported.
     pub fn phase(&mut self, node: NodeId) -> Option<PhaseFunction> {
         if let Some(built) = self.phases_built.get(&node) {
             return built.clone();
@@ -66,7 +66,7 @@ impl Builder<'_> {
         phase
     }
 
-    /// The medium of a `medium` node; `None` after reporting why there is none.
+    /// The medium of a `medium` node; `None` after an error has been reported.
     pub fn medium(&mut self, node: NodeId) -> Option<MediumId> {
         if let Some(built) = self.media_built.get(&node) {
             return *built;

@@ -15,11 +15,11 @@ use crate::shape::{Geometry, Shape};
 use etendue_document::{Child, Class, Fault, NodeId, Parameters};
 use std::collections::HashMap;
 
-/// Shapes whose geometry is there, waiting for materials.
+/// Shapes with their geometry, but without materials.
 type LoadedShapes<'a> = HashMap<NodeId, LoadedShape<'a>>;
 
 impl<'a> Builder<'a> {
-    /// All shapes of the scene, those that stand alone, then those within groups; and instances.
+    /// All shapes of the scene: top-level ones, then those within groups. Then instances.
     pub(super) fn shapes(&mut self, root: &Parameters<'_>, mut loaded: LoadedShapes<'a>) -> Parts {
         let mut parts = Parts::default();
         let children = root.children_of(Class::Shape);
@@ -94,7 +94,7 @@ impl<'a> Builder<'a> {
         loaded: &mut LoadedShapes<'a>,
         parts: &mut Parts,
     ) {
-        // Groups are built first: an instance's box needs its group's.
+        // Groups come first, because an instance's bounds depend on its group.
         let mut groups: HashMap<NodeId, Option<GroupId>> = HashMap::new();
         let mut grouped = Vec::new();
         let mut placed = Vec::with_capacity(nodes.len());
@@ -106,7 +106,7 @@ impl<'a> Builder<'a> {
             let span = parameters.span();
             parameters.finish();
             let (Some(to_world), Some(group)) = (to_world, group) else { continue };
-            // Rays are taken into the group by the inverse that single precision gives.
+            // Rays are transformed into the group by the inverse in single precision.
             if !to_world.affine().inverse().is_finite() {
                 let message = "this shape reaches beyond what single precision can hold";
                 self.assets.diagnostics.error(Fault::Geometry, span, message);

@@ -35,7 +35,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<shape type="sphere"><emitter type="area"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -75,7 +75,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>, shape: Shap
 }
 
 /// The unit direction from `reference` to a point of a light with this shading normal, and whether
-/// light comes from there: not from the back of the light, and not where the points coincide.
+/// light comes from there. False on the back of the light and where the points coincide.
 #[inline(always)]
 fn towards<R: Real>(
     reference: Vector3<R>,
@@ -87,7 +87,7 @@ fn towards<R: Real>(
     (direction, exists & !cosine.ge(cosine.zero()))
 }
 
-/// The light of a point that was chosen, as [`Light::sample_direction`] of [`Area`].
+/// The light from a sampled point; see [`Light::sample_direction`] of [`Area`].
 #[inline(always)]
 pub(crate) fn light_from<R: Real>(
     place: LightPoint<R>,
@@ -108,7 +108,7 @@ pub(crate) fn light_from<R: Real>(
     }
 }
 
-/// A parallelogram of constant radiance, or one for each lane.
+/// A parallelogram of constant radiance, or one per lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ParallelogramLight<R> {
     pub(crate) shape: Parallelogram<R>,
@@ -116,7 +116,7 @@ pub(crate) struct ParallelogramLight<R> {
 }
 
 impl<R: Real> ParallelogramLight<R> {
-    /// As [`Light::sample_direction`] of [`Area`].
+    /// See [`Light::sample_direction`] of [`Area`].
     #[inline(always)]
     pub(crate) fn sample_direction(
         &self,
@@ -128,7 +128,7 @@ impl<R: Real> ParallelogramLight<R> {
 }
 
 impl ParallelogramLight<f32> {
-    /// The same in all lanes.
+    /// The same parallelogram in all lanes.
     #[inline(always)]
     pub(crate) fn splat<S: Simd>(&self, simd: S) -> ParallelogramLight<Lanes<S>> {
         ParallelogramLight {
@@ -138,7 +138,7 @@ impl ParallelogramLight<f32> {
     }
 }
 
-/// A parallelogram light for each lane, in columns.
+/// One parallelogram light per lane, in columns.
 #[derive(Debug, Default)]
 pub(crate) struct ParallelogramLightBatch {
     shape: ParallelogramBatch,
@@ -146,14 +146,14 @@ pub(crate) struct ParallelogramLightBatch {
 }
 
 impl ParallelogramLightBatch {
-    /// Puts a light in a lane.
+    /// Sets the light of a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, light: &ParallelogramLight<f32>) {
         self.shape.set(lane, &light.shape);
         self.set_radiance(lane, light.radiance.into());
     }
 
-    /// Puts radiance in a lane that has no parallelogram.
+    /// Sets the radiance of a lane that has no parallelogram.
     #[inline(always)]
     pub(crate) fn set_radiance(&mut self, lane: usize, radiance: Spectrum) {
         SpectrumLanes::from(radiance).put(&mut self.radiance, lane);
@@ -170,7 +170,7 @@ impl ParallelogramLightBatch {
 }
 
 impl Area {
-    /// Lets points of the light's mesh follow the picture that it shows, if it shows one.
+    /// Makes points on the light's mesh follow its texture, if the radiance has one.
     pub(crate) fn let_follow(&self, mesh: &mut Mesh, textures: &[Texture]) {
         let ColorSource::Texture(id) = self.radiance else { return };
         if let Texture::Bitmap(picture) = &textures[id.index()] {
@@ -226,7 +226,7 @@ impl Light for Area {
         surface.map_or(0.0, |surface| scene.shape(self.shape).pdf_direction(reference, surface))
     }
 
-    /// None at the back.
+    /// Zero on the back.
     #[inline]
     fn surface_radiance(&self, scene: &impl SceneView, surface: &SurfaceInteraction) -> Spectrum {
         if surface.wi.z <= 0.0 {
@@ -263,8 +263,8 @@ impl Light for Area {
     }
 }
 
-/// Light that leaves a point sampled by area on a shape, in a direction whose density is `factor`
-/// times smaller than the cosine, or than one where there is only that direction.
+/// Light that leaves a point sampled by area on a shape. The density of its direction is the cosine
+/// divided by `factor`; for a single direction, it is 1 / `factor`.
 pub(super) fn ray_from_shape(
     scene: &impl SceneView,
     (shape, sample): (ShapeId, &ShapeSample),

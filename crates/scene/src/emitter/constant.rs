@@ -1,4 +1,4 @@
-//! `constant`: the same light from everywhere afar.
+//! `constant`: an environment of constant radiance.
 
 use super::{
     DirectionSample, LaneEmitter, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target,
@@ -25,7 +25,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -54,7 +54,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<C
     })
 }
 
-/// Light from everywhere, as [`Light::sample_direction`] of [`Constant`] over any [`Real`].
+/// [`Light::sample_direction`] of [`Constant`] over any [`Real`].
 #[inline(always)]
 pub(crate) fn light_from_everywhere<R: Real>(
     radiance: SpectrumLanes<R>,

@@ -1,4 +1,4 @@
-//! `directional`: parallel light from afar.
+//! `directional`: parallel light from infinity.
 
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, ray_from_afar};
 use crate::builder::Builder;
@@ -32,7 +32,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<emitter type="directional"><vector name="direction" x="1" y="-2" z="0.5"/></emitter>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {

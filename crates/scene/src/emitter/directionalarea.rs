@@ -1,4 +1,4 @@
-//! `directionalarea`: a shape that shines straight ahead only.
+//! `directionalarea`: a shape that emits only along its normals.
 
 use super::area::ray_from_shape;
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
@@ -29,7 +29,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<shape type="rectangle"><emitter type="directionalarea"><rgb name="radiance" value="5, 4, 3"/></emitter></shape>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -40,7 +40,7 @@ pub(crate) const CASES: Cases = Cases {
     ],
 };
 
-/// A shape that shines straight ahead only.
+/// A shape that emits only along its normals.
 #[derive(Clone, Debug)]
 pub struct DirectionalArea {
     /// The shape.
@@ -61,7 +61,7 @@ pub fn build(
 }
 
 impl Light for DirectionalArea {
-    /// No surface lies exactly where it could see such light.
+    /// The probability that a point sees such light is zero.
     fn sample_direction(
         &self,
         _scene: &impl SceneView,

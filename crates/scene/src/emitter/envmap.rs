@@ -1,4 +1,4 @@
-//! `envmap`: a picture of the environment.
+//! `envmap`: an environment map.
 
 use super::{
     DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target, sample_ray_from_afar,
@@ -46,7 +46,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<emitter type="envmap"><string name="filename" value="sample.exr"/><float name="scale" value="2"/></emitter>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -61,25 +61,25 @@ pub(crate) const CASES: Cases = Cases {
     ],
 };
 
-/// A picture of the environment. Clones share the picture.
+/// An environment map. Clones share the image.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     to_world: Transform,
     picture: Arc<Panorama>,
 }
 
-/// The picture, with what choosing directions by its light needs.
+/// The image and its data for sampling directions.
 #[derive(Debug)]
 struct Panorama {
     width: usize,
     height: usize,
-    /// Radiance by rows from the top, red green blue.
+    /// RGB radiance, row by row from the top.
     texels: Vec<[f32; 3]>,
     /// Over cells whose corners are four neighbouring texels.
     distribution: Distribution2D,
 }
 
-/// Reads the picture and prepares its sampling.
+/// Reads the image and prepares its sampling.
 #[must_use]
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<EnvironmentMap> {
     let to_world = read_transform(parameters, "to_world");
@@ -114,7 +114,7 @@ fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Pano
     picture
 }
 
-/// The picture of the file, with the file's name; `None` after reporting what went wrong.
+/// The image of the file and the file's name; `None` after an error has been reported.
 fn read_file(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<(String, Bitmap)> {
     let (path, bytes) = assets.read_file(parameters, "filename")?;
     match decode(&bytes, &path.to_string_lossy()) {
@@ -127,7 +127,7 @@ fn read_file(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<(String
     }
 }
 
-/// What sampling leaves to the materials.
+/// The part of the radiance that is left to BSDF sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Compensation {
     /// Nothing.
@@ -137,8 +137,8 @@ enum Compensation {
     AboveMean,
 }
 
-/// The weights of cells, given with the luminance and the sine of the polar angle of each; what is at
-/// most the mean gets none, unless nothing would be left.
+/// The weights of cells, from the luminance and the sine of the polar angle of each. Cells at or
+/// below the mean get no weight, unless none would remain.
 fn compensated(cells: &[(f32, f32)]) -> Vec<f32> {
     let sum = |value: fn(&(f32, f32)) -> f32| {
         cells.iter().map(|cell| f64::from(value(cell))).sum::<f64>()
@@ -146,7 +146,7 @@ fn compensated(cells: &[(f32, f32)]) -> Vec<f32> {
     let mean = (sum(|(luminance, sine)| luminance * sine) / sum(|(_, sine)| *sine)) as f32;
     let weights: Vec<f32> =
         cells.iter().map(|(luminance, sine)| (luminance - mean).max(0.0) * sine).collect();
-    // A uniform picture is its own mean, up to rounding.
+    // A uniform image equals its mean, up to rounding.
     if weights.iter().all(|weight| *weight <= 1e-6 * mean) {
         return cells.iter().map(|(luminance, sine)| luminance * sine).collect();
     }
@@ -202,7 +202,8 @@ impl Panorama {
         }
         let luminance: Vec<f32> =
             texels.iter().map(|texel| Spectrum::from_rgb(*texel).luminance()).collect();
-        // Rows of cells: one less than rows of texels, as texel rows lie on the poles.
+        // There is one row of cells less than rows of texels, because the first and last rows of
+        // texels lie on the poles.
         let rows = (height - 1).max(1);
         let mut cells = Vec::with_capacity(width * rows);
         for y in 0..rows {
@@ -246,18 +247,18 @@ impl EnvironmentMap {
         upper.lerp(lower, y - top as f32)
     }
 
-    /// Where a direction falls: x counts the picture's width from the middle of its first texel,
-    /// y is the polar angle over π.
+    /// The cell coordinates of a direction: x spans the image's width, starting at the centre of
+    /// the first texel; y is the polar angle over π.
     fn cell_coordinates(&self, direction: Vec3) -> Vec2 {
         let local = self.to_world.inverse_vector(direction).normalize_or(Vec3::Y);
         let u = local.x.atan2(-local.z) / TAU - 0.5 / self.picture.width as f32;
-        // Near the poles the arc cosine would lose the digits that tell directions apart.
+        // The arc cosine would lose precision near the poles.
         let v = local.x.hypot(local.z).atan2(local.y) / PI;
-        // Rounding may take either to one, which is outside.
+        // Rounding may yield one, which is out of range.
         Vec2::new(u - u.floor(), v).min(Vec2::splat(1.0 - f32::EPSILON))
     }
 
-    /// Chooses a direction that light comes from.
+    /// Samples a direction of incoming light.
     fn sample(&self, random: Vec2) -> Option<DirectionSample> {
         let (cell, density) = self.picture.distribution.sample(random);
         let (sin_azimuth, cos_azimuth) =
@@ -291,14 +292,14 @@ mod tests {
     use super::*;
     use etendue_testkit::TestRng;
 
-    /// Red counts columns and green counts rows.
+    /// Red is the column, green is the row.
     fn counting_map() -> EnvironmentMap {
         let texels = (0..4).flat_map(|y| (0..8).map(move |x| [x as f32, y as f32, 1.0])).collect();
         let picture = Panorama::new([8, 4], texels, Compensation::None).expect("it is bright");
         EnvironmentMap { to_world: Transform::IDENTITY, picture: Arc::new(picture) }
     }
 
-    /// Read from Mitsuba 3.9.1 for the same picture.
+    /// Values from Mitsuba 3.9.1 for the same image.
     #[test]
     fn directions_fall_where_mitsuba_puts_them() {
         let expected = [

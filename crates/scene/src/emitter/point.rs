@@ -1,4 +1,4 @@
-//! `point`: a point that shines in all directions.
+//! `point`: a point light that emits in all directions.
 
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView, Target};
 use crate::builder::Builder;
@@ -25,7 +25,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<emitter type="point"><point name="position" x="0" y="5" z="0"/><rgb name="intensity" value="10"/></emitter>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -79,7 +79,7 @@ impl Light for Point {
     }
 }
 
-/// Light of a point with the given intensity towards `reference`.
+/// The light of a point with the given intensity towards `reference`.
 pub(super) fn point_sample(
     position: Vec3,
     intensity: Spectrum,

@@ -1,4 +1,4 @@
-//! `projector`: a point that projects a picture.
+//! `projector`: a point that projects an image.
 
 use super::point::point_sample;
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
@@ -43,7 +43,7 @@ pub const MANUAL: Manual = Manual {
 </emitter>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -62,7 +62,7 @@ pub struct Projector {
     to_world: Transform,
     irradiance: ColorSource,
     scale: f32,
-    /// Half the width and height of the picture at distance one.
+    /// Half the width and height of the image at distance one.
     half_size: Vec2,
 }
 
@@ -99,8 +99,8 @@ impl Light for Projector {
         point_sample(self.to_world.point(Vec3::ZERO), intensity, reference)
     }
 
-    /// Places in the picture are uniform. With the picture's area A at distance one, their density in
-    /// solid angle is 1/(A cos³θ), and the intensity E/cos³θ: what is left is E·A.
+    /// Image positions are uniform. With the area A of the image at distance one, their density in
+    /// solid angle is 1/(A cos³θ), and the intensity is E/cos³θ. The quotient is E·A.
     fn sample_ray(
         &self,
         scene: &impl SceneView,
@@ -117,17 +117,17 @@ impl Light for Projector {
 }
 
 impl Projector {
-    /// Where in the picture a unit direction of the projector's space passes, if it does.
+    /// The image position of a unit direction in projector space, if it lies inside the image.
     ///
-    /// A screen at distance z has the irradiance E/z². At an angle θ from the axis it is r = z/cosθ
-    /// away and tilted by θ, so the intensity is E r²/(z² cosθ) = E/cos³θ.
+    /// A screen at distance z has irradiance E/z². At an angle θ from the axis it is tilted by θ
+    /// and at distance r = z/cosθ, so the intensity is E r²/(z² cosθ) = E/cos³θ.
     fn place(&self, local: Vec3) -> Option<Vec2> {
         let place = 0.5 - local.truncate() / (local.z * self.half_size) * 0.5;
         let inside = place.cmpge(Vec2::ZERO).all() && place.cmple(Vec2::ONE).all();
         (local.z > 0.0 && inside).then_some(place)
     }
 
-    /// The irradiance at distance one: a white diffuse screen sends back 1/π of it.
+    /// The irradiance at distance one. A white diffuse screen reflects 1/π of it.
     fn picture(&self, textures: Textures<'_>, place: Vec2) -> Spectrum {
         let surface = SurfaceInteraction::at_uv(place, Frame::from_normal(Vec3::Z));
         self.irradiance.eval(textures, &surface) * (self.scale * PI)

@@ -1,4 +1,4 @@
-//! `spot`: a point that shines into a cone.
+//! `spot`: a point light that emits into a cone.
 
 use super::point::point_sample;
 use super::{DirectionSample, Light, RaySample, SAMPLING_WEIGHT, SceneView};
@@ -41,7 +41,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<emitter type="spot"><transform name="to_world"><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, 1"/></transform><float name="cutoff_angle" value="30"/></emitter>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -117,7 +117,7 @@ impl Light for Spot {
 }
 
 impl Spot {
-    /// The intensity in a unit direction of the light's own space.
+    /// The intensity in a unit direction of the light's local space.
     fn intensity_towards(&self, textures: Textures<'_>, local: Vec3) -> Spectrum {
         let angle = local.truncate().length().atan2(local.z);
         if angle >= self.cutoff_angle {
@@ -135,7 +135,7 @@ impl Spot {
         self.intensity * texture * falloff
     }
 
-    /// The place of the picture, which spans the cone, that a direction passes through.
+    /// The texture coordinates of a direction. The texture spans the cone.
     fn picture_point(&self, local: Vec3) -> SurfaceInteraction {
         let uv = local.truncate() / (local.z * self.cutoff_angle.tan()) * 0.5 + 0.5;
         SurfaceInteraction::at_uv(Vec2::new(uv.x, uv.y), Frame::from_normal(Vec3::Z))

@@ -1,4 +1,4 @@
-//! `sunsky`: the clear sky and the sun, by time and place.
+//! `sunsky`: a clear sky with the sun, by time and place.
 
 mod model;
 mod position;
@@ -64,7 +64,7 @@ pub const MANUAL: Manual = Manual {
 </emitter>"#,
 };
 
-/// What the tests of all emitters try.
+/// The cases for the tests of all emitters.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -79,13 +79,13 @@ pub(crate) const CASES: Cases = Cases {
     ],
 };
 
-/// The sun's true angle, in degrees: its light is that of a disk of this size.
+/// The true angular diameter of the sun in degrees. The total power is that of a disk of this size.
 const TRUE_APERTURE: f64 = 0.5358;
-/// Sampling cells over azimuth and polar angle.
+/// Cells for sampling, over azimuth and polar angle.
 const CELLS: (u32, u32) = (128, 64);
-/// Each cell has at least this share of the mean.
+/// The least weight of a cell, relative to the mean.
 const FLOOR: f32 = 0.02;
-/// Where both shine, each is sampled with at least this probability.
+/// The least probability of sampling the sky or the sun when both are present.
 const LEAST_SHARE: f32 = 0.1;
 
 /// The sky and the sun.
@@ -97,7 +97,7 @@ pub struct SunSky {
     sky: Sky,
     sky_scale: f32,
     sun: Option<Sun>,
-    /// Over azimuth and polar angle of the upper half.
+    /// Over azimuth and polar angle of the upper hemisphere.
     distribution: Distribution2D,
     sun_probability: f32,
 }
@@ -105,7 +105,7 @@ pub struct SunSky {
 /// The sun's disk.
 #[derive(Clone, Debug)]
 struct Sun {
-    /// 1 − cos of half the angle that it takes.
+    /// 1 − cos of half the angular diameter.
     one_minus_cosine: f32,
     sine: f64,
     radiance: SunRadiance,
@@ -246,7 +246,7 @@ impl Light for SunSky {
 }
 
 impl SunSky {
-    /// `None` never happens: the distribution has a floor.
+    /// Never `None`, because every cell has a minimum weight.
     fn new(
         to_world: Transform,
         sun_direction: Vec3,
@@ -306,7 +306,7 @@ impl SunSky {
         }
     }
 
-    /// Chooses a direction that light comes from.
+    /// Samples a direction of incoming light.
     fn sample(&self, random: Vec2) -> Option<DirectionSample> {
         let local = match &self.sun {
             Some(sun) if random.x < self.sun_probability => {
@@ -352,14 +352,14 @@ impl SunSky {
 }
 
 impl Sun {
-    /// Whether a unit direction points to the disk. Chords tell small angles apart: half the square of
-    /// one is 1 − cos.
+    /// Whether a unit direction points to the disk. The squared chord resolves small angles: half
+    /// of it is 1 − cos.
     fn holds(&self, local: Vec3) -> bool {
         0.5 * (local - self.frame.n).length_squared() <= self.one_minus_cosine
     }
 
-    /// The radiance at an angle from the disk's middle, given by its sine, and at a height above the
-    /// horizon.
+    /// The radiance at the angle with sine `sin_gamma` from the disk's centre. `height` is the sine
+    /// of the elevation.
     fn radiance(&self, sin_gamma: f32, height: f32) -> Spectrum {
         match &self.radiance {
             SunRadiance::Uniform(radiance) => *radiance,
@@ -374,20 +374,20 @@ impl Sun {
 }
 
 fn sky_radiance(sky: &Sky, sun_direction: Vec3, local: Vec3) -> Spectrum {
-    // Accurate at all angles, where the arc cosine loses the digits of small ones.
+    // Accurate at all angles; the arc cosine loses precision at small ones.
     let chord = (local - sun_direction).length();
     let gamma = 2.0 * (0.5 * chord).min(1.0).asin();
     Spectrum::from_rgb(sky.radiance(local.z, gamma).map(|value| value.max(0.0)))
 }
 
-/// The unit direction of a place in the unit square: azimuth and polar angle.
+/// The unit direction of a point in the unit square, which holds azimuth and polar angle.
 fn unmap(place: Vec2) -> Vec3 {
     let (sin_azimuth, cos_azimuth) = (place.x * TAU).sin_cos();
     let (sin_theta, cos_theta) = (place.y * FRAC_PI_2).sin_cos();
     Vec3::new(sin_theta * cos_azimuth, sin_theta * sin_azimuth, cos_theta.max(0.0))
 }
 
-/// The reverse of [`unmap`].
+/// The inverse of [`unmap`].
 fn map(direction: Vec3) -> Vec2 {
     let azimuth = direction.y.atan2(direction.x) / TAU;
     let theta = direction.truncate().length().atan2(direction.z) / (0.5 * PI);
@@ -414,7 +414,7 @@ mod tests {
         }
     }
 
-    /// Read from Mitsuba 3.9.1.
+    /// Values from Mitsuba 3.9.1.
     #[test]
     fn the_sky_is_that_of_mitsuba() {
         let clear = with_sun(0.3, 0.2, 0.5);
@@ -437,7 +437,7 @@ mod tests {
         }
     }
 
-    /// Read from Mitsuba 3.9.1: in the middle of the disk, 0.15° and 0.25° away.
+    /// Values from Mitsuba 3.9.1, at the centre of the disk, 0.15° and 0.25° away.
     #[test]
     fn the_sun_is_that_of_mitsuba() {
         let sun = Vec3::new(0.3, 0.2, 0.5).normalize();

@@ -1,5 +1,5 @@
-//! Every emitter, whole: what it samples, what it says of the density of a direction found by
-//! tracing a ray, and how much light that makes in all.
+//! Tests of all emitters: samples, the densities of directions found by tracing rays, and total
+//! power.
 
 use super::Emitter;
 use crate::testing::emitter_cases::{PLUGINS, extreme, hittable, leaving, scene};
@@ -10,12 +10,12 @@ use glam::Vec3;
 
 const REFERENCE: Vec3 = Vec3::new(0.3, -0.2, 0.1);
 
-/// The density with which the scene's only emitter samples the direction, by tracing a ray.
+/// The density with which the scene's only emitter samples the direction, found by tracing a ray.
 fn traced_pdf(scene: &Scene, direction: Vec3) -> f32 {
     let emitter = scene.emitter(EmitterId(0));
     let found = scene.intersect(&Ray::new(REFERENCE, direction));
     match &found {
-        // The back of a glowing shape is sampled too, in vain.
+        // Sampling also chooses points on the back of an emitting shape, which contribute nothing.
         Some(surface) if surface.wi.z <= 0.0 => 0.0,
         _ => emitter.pdf_direction(scene, REFERENCE, direction, found.as_ref()),
     }
@@ -51,8 +51,8 @@ fn the_density_of_a_sample_is_that_of_its_direction() {
             let pdf = traced_pdf(&scene, sample.direction);
             differing += u32::from((pdf / sample.pdf - 1.0).abs() > 5e-3);
         }
-        // A direction that just touches an edge, of a shape or of a picture's cell, may be traced to
-        // the other side of it.
+        // A direction that grazes an edge of a shape or of a texel may be traced to the other side
+        // of the edge.
         assert!(differing <= 4, "{name}: {differing} of 2000");
     }
 }
@@ -75,14 +75,14 @@ fn sampling_and_tracing_find_the_same_light() {
             };
             traced.add(f64::from(radiance.luminance()) * 4.0 * std::f64::consts::PI);
         }
-        // Estimates of an emitter that is the same everywhere do not vary but for rounding.
+        // Estimates of a constant emitter vary only by rounding.
         let close = (sampled.mean() / traced.mean() - 1.0).abs() < 1e-4;
         let outcome = welch(&sampled, &traced);
         assert!(close || outcome.accepts(1e-4), "{name}: {} and {}", sampled.mean(), traced.mean());
     }
 }
 
-/// Two emitters that are chosen in the proportion of their weights; a third is left to chance.
+/// Emitters are chosen in proportion to their weights; the third has weight zero.
 #[test]
 fn sampling_weights_say_how_often() {
     let light = |weight: f32| {
@@ -133,7 +133,7 @@ fn delta_emitters_give_what_their_formulas_say() {
     assert!((light.direction - Vec3::Y).length() < 1e-6);
     assert!((light.radiance.luminance() - 1.0).abs() < 1e-6);
 
-    // From (0.3, −0.2, 2.1) straight down: the reference lies on the axis, 2 away.
+    // From (0.3, −0.2, 2.1) straight down: the reference lies on the axis, at distance 2.
     let spot = |target: &str| {
         scene(&format!(
             r#"<emitter type="spot"><transform name="to_world"><lookat origin="0.3, -0.2, 2.1" target="{target}" up="0, 1, 0"/></transform><float name="cutoff_angle" value="30"/><float name="beam_width" value="10"/></emitter>"#
@@ -141,13 +141,13 @@ fn delta_emitters_give_what_their_formulas_say() {
     };
     let light = sample(&spot("0.3, -0.2, 0")).expect("on the axis");
     assert!((light.radiance.luminance() - 0.25).abs() < 1e-5);
-    // 2·tan 20° off the axis: halfway down the falloff.
+    // 2·tan 20° off the axis, halfway down the falloff.
     let light = sample(&spot("1.027940, -0.2, 0.1")).expect("within the cone");
     assert!((light.radiance.luminance() - 0.125).abs() < 1e-4, "{light:?}");
     assert!(sample(&spot("3, -0.2, 0.1")).is_none(), "beyond the cone");
 }
 
-/// Read from Mitsuba 3.9.1 for the same lights and points.
+/// Values from Mitsuba 3.9.1 for the same lights and points.
 #[test]
 fn projected_pictures_fall_where_mitsuba_throws_them() {
     let placement = r#"<transform name="to_world"><lookat origin="0.3, 1, 2" target="0.1, 0, 0" up="0, 1, 0"/></transform>"#;
@@ -203,7 +203,7 @@ fn projected_pictures_fall_where_mitsuba_throws_them() {
 }
 
 /// The power that arrives on a disk, by tracing rays from the light and by sampling the light from
-/// points of the disk.
+/// points on the disk.
 #[test]
 fn light_that_leaves_arrives() {
     let receiver = r#"<shape type="disk"><transform name="to_world"><scale x="0.7" y="0.5"/><rotate x="1" angle="20"/><translate z="-1"/></transform></shape>"#;
@@ -264,7 +264,7 @@ fn every_plugin_has_its_cases() {
     }
 }
 
-/// Points anywhere, on the light, far away and close to each other.
+/// Points of all kinds: on the light, far away and close together.
 #[test]
 fn extreme_lights_stay_finite() {
     let mut random = TestRng::new(8);

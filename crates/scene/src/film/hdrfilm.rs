@@ -1,4 +1,4 @@
-//! `hdrfilm`: linear values, in a file that can hold them.
+//! `hdrfilm`: linear values in a high-dynamic-range file.
 
 use super::{
     BANNER, CROP_HEIGHT, CROP_OFFSET_X, CROP_OFFSET_Y, CROP_WIDTH, FILTER, FilmSpec, HEIGHT,
@@ -94,7 +94,7 @@ pub fn build(_builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<
     })
 }
 
-/// The numbers of the file; `None` among the choices are those that cannot be written.
+/// Reads the number format of the file. Choices of `None` are not supported.
 fn read_component_format(parameters: &Parameters<'_>) -> ExrPrecision {
     const CHOICES: [(&str, Option<ExrPrecision>); 3] = [
         ("float16", Some(ExrPrecision::Half)),
@@ -109,7 +109,7 @@ fn read_component_format(parameters: &Parameters<'_>) -> ExrPrecision {
     })
 }
 
-/// What the file can hold of the channels that are asked for.
+/// The requested channels, reduced to those that the file format supports.
 fn fit_pixel_format(
     parameters: &Parameters<'_>,
     file: FileFormat,

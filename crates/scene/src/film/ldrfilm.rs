@@ -1,4 +1,4 @@
-//! `ldrfilm`: a picture for displays, in eight bits.
+//! `ldrfilm`: an 8-bit image for displays.
 
 use super::{
     BANNER, CROP_HEIGHT, CROP_OFFSET_X, CROP_OFFSET_Y, CROP_WIDTH, Display, FILTER, FilmSpec,
@@ -66,7 +66,7 @@ const PIXEL_FORMATS: [(&str, PixelFormat); 5] = [
     ("rgba", PixelFormat::Rgba),
 ];
 
-/// Exposures beyond this many stops overflow or vanish.
+/// The greatest exposure in stops. More would overflow or underflow.
 const MAX_STOPS: f64 = 100.0;
 
 /// Reads the film.
@@ -95,7 +95,7 @@ fn fit_pixel_format(
     pixels
 }
 
-/// Exposure and tone mapping. The files know no other curve than that of sRGB.
+/// Exposure and tone mapping. The files support only the sRGB curve.
 fn read_display(parameters: &Parameters<'_>) -> Display {
     let gamma = parameters.float("gamma", -1.0);
     if gamma != -1.0 {

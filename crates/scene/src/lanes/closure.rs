@@ -1,30 +1,30 @@
 //! Closures of several paths at once.
 //!
-//! The materials that nearly all surfaces have are written over any [`Real`]: [`LaneClosure`] is their
-//! mathematics, which a single hit uses as well. [`Columns`] takes their numbers into and out of the
-//! columns that hold the closures of several hits.
+//! The most common materials are written over any [`Real`]. [`LaneClosure`] is their mathematics,
+//! and single hits use it as well. [`Columns`] moves their numbers into and out of the columns that
+//! hold the closures of several hits.
 
 use crate::scattering::{BsdfSample, Closure, Lobe, Transport};
 use etendue_math::lanes::{Real, Vector2, Vector3};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::{Vec2, Vec3};
 
-/// Directions that closures chose; see [`BsdfSample`]. Lanes that do not exist hold anything.
+/// Sampled directions; see [`BsdfSample`]. Unused lanes hold arbitrary values.
 #[derive(Clone, Copy)]
 pub struct SampleLanes<R: Real> {
-    /// Where the paths go on, in the local frame.
+    /// The directions in which the paths continue, in the local frame.
     pub wo: Vector3<R>,
     /// f(wi, wo)·|cos θo| divided by `pdf`.
     pub weight: SpectrumLanes<R>,
-    /// The density in solid angle; where the sample is not smooth, the lobe's probability.
+    /// The density in solid angle; for delta lobes, the lobe's probability.
     pub pdf: R,
-    /// The index of refraction on the side of `wo` over that on the side of `wi`.
+    /// The index of refraction on the side of `wo` divided by that on the side of `wi`.
     pub eta: R,
-    /// Whether there is a sample at all: where not, it counts as one of weight zero.
+    /// Whether there is a sample. A lane without one has weight zero.
     pub exists: R::Mask,
     /// Whether the direction has a density in solid angle; see [`Lobe::is_smooth`].
     pub smooth: R::Mask,
-    /// Whether the path goes straight on, as if no surface were there ([`Lobe::Null`]).
+    /// Whether the path passes straight through, as if there were no surface ([`Lobe::Null`]).
     pub null: R::Mask,
 }
 
@@ -45,7 +45,7 @@ impl<R: Real> SampleLanes<R> {
         }
     }
 
-    /// `yes` where the mask is true, `no` elsewhere.
+    /// Selects `yes` where the mask is true, `no` elsewhere.
     #[inline(always)]
     pub(crate) fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
         Self {
@@ -59,7 +59,7 @@ impl<R: Real> SampleLanes<R> {
         }
     }
 
-    /// As [`none`](Self::none), but smooth should it exist.
+    /// [`none`](Self::none), but marked as smooth.
     #[inline(always)]
     pub(crate) fn smooth(wi: Vector3<R>) -> Self {
         let none = Self::none(wi);
@@ -67,7 +67,7 @@ impl<R: Real> SampleLanes<R> {
     }
 }
 
-/// The mathematics of a closure over any [`Real`]; the contract is that of [`Closure`].
+/// The mathematics of a closure over any [`Real`]; [`Closure`] states the contract.
 pub(crate) trait LaneClosure<R: Real> {
     /// See [`Closure::eval_pdf`].
     fn eval_pdf_lanes(
@@ -87,27 +87,27 @@ pub(crate) trait LaneClosure<R: Real> {
     ) -> SampleLanes<R>;
 }
 
-/// Passes on the numbers of a closure, one after the other.
+/// Maps the numbers of a closure, one by one.
 pub(crate) trait Transfer<R: Real, T: Real> {
-    /// What takes the place of the tables that a rough coat looks up.
+    /// Replaces the tables of a rough coat.
     type Coat;
 
-    /// What a number becomes.
+    /// Maps a number.
     fn number(&mut self, number: R) -> T;
 
-    /// What the tables of a rough coat become.
+    /// Maps the tables of a rough coat.
     fn coat(&self) -> Self::Coat;
 }
 
-/// Numbers that are kept in columns: a number, a spectrum, or a closure made of them.
+/// Values that are stored in columns: a number, a spectrum, or a closure made of them.
 pub(crate) trait Columns<R: Real>: Sized {
-    /// The same over numbers of another type, and with other tables of coats.
+    /// The same type over another number type, and with another type for the tables of coats.
     type Over<T: Real, C>;
 
-    /// How many numbers it consists of.
+    /// How many numbers the value has.
     const COUNT: usize;
 
-    /// The same with its numbers passed on.
+    /// The value with its numbers mapped.
     fn transfer<T: Real, N: Transfer<R, T>>(self, numbers: &mut N) -> Self::Over<T, N::Coat>;
 }
 
@@ -136,13 +136,13 @@ impl<R: Real> Columns<R> for SpectrumLanes<R> {
     }
 }
 
-/// How many numbers the field that `_field` returns consists of.
+/// How many numbers the field that `_field` returns has.
 pub(crate) const fn count<R: Real, S, F: Columns<R>>(_field: fn(&S) -> &F) -> usize {
     F::COUNT
 }
 
-/// Makes a closure [`Columns`] of all its fields: `columns!(DiffuseClosure { reflectance })`. After a
-/// semicolon comes the field of a rough coat's tables, which are no numbers.
+/// Implements [`Columns`] for a closure with all its fields: `columns!(DiffuseClosure { reflectance
+/// })`. The field after a semicolon holds the tables of a rough coat, which are not numbers.
 macro_rules! columns {
     ($closure:ident { $($field:ident),* }) => {
         impl<R: Real> $crate::lanes::Columns<R> for $closure<R> {
@@ -173,7 +173,7 @@ macro_rules! columns {
 }
 pub(crate) use columns;
 
-/// What a closure of one hit has beside its [`LaneClosure`]; it is then a [`Closure`].
+/// The rest of a [`Closure`] of one hit, beyond its [`LaneClosure`].
 pub(crate) trait HitClosure: LaneClosure<f32> {
     /// See [`Closure::null_transmission`].
     fn null_transmission(&self, _wi: Vec3) -> (Spectrum, f32) {

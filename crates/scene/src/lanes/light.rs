@@ -1,43 +1,42 @@
-//! Light that may arrive at several points at once.
+//! Light that may arrive at several points.
 
 use super::SurfaceLanes;
 use etendue_math::lanes::{Mask, Real, Vector3};
 use etendue_math::{RayLanes, offset_origin_lanes};
 use etendue_spectrum::SpectrumLanes;
 
-/// Light that may arrive at points, one for each lane; see [`DirectionSample`].
+/// Light that may arrive at points, one per lane; see [`DirectionSample`].
 #[derive(Clone, Copy, Debug)]
 pub struct LightLanes<R: Real> {
     /// The unit directions from the reference points towards the light.
     pub direction: Vector3<R>,
-    /// Radiance that would arrive if nothing stood between; for delta emitters, irradiance on a
-    /// surface facing the light.
+    /// The unoccluded radiance; for delta emitters, irradiance on a surface that faces the light.
     pub radiance: SpectrumLanes<R>,
     /// The density in solid angle, of all emitters together.
     pub pdf: R,
-    /// Whether only this technique can find the light.
+    /// Whether only emitter sampling can find the light.
     pub delta: R::Mask,
-    /// Whether there is any light; the rest means nothing where there is none.
+    /// Whether there is light. Otherwise, the other fields have no meaning.
     pub exists: R::Mask,
-    /// Where the shadow rays go.
+    /// The ends of the shadow rays.
     pub target: TargetLanes<R>,
 }
 
-/// Where shadow rays go, one for each lane; see [`Target`](crate::emitter::Target).
+/// The ends of shadow rays, one per lane; see [`Target`](crate::emitter::Target).
 #[derive(Clone, Copy, Debug)]
 pub struct TargetLanes<R: Real> {
     /// The point.
     pub point: Vector3<R>,
-    /// A bound of the absolute error of each coordinate of `point`.
+    /// A bound on the absolute error of each coordinate of `point`.
     pub error: Vector3<R>,
     /// The unit geometric normal, or zero.
     pub normal: Vector3<R>,
-    /// Whether the ray goes to infinity, whatever the point.
+    /// Whether the ray goes to infinity. If so, `point` has no meaning.
     pub afar: R::Mask,
 }
 
 impl<R: Real> LightLanes<R> {
-    /// `yes` where the mask is true, `no` elsewhere.
+    /// Selects `yes` where the mask is true, `no` elsewhere.
     #[inline(always)]
     pub(crate) fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
         let (to, other) = (yes.target, no.target);
@@ -56,7 +55,7 @@ impl<R: Real> LightLanes<R> {
         }
     }
 
-    /// The rays that must be free for the light to arrive at the surfaces.
+    /// The shadow rays from the surfaces to the light.
     #[inline(always)]
     #[must_use]
     pub fn shadow_rays(&self, surface: &SurfaceLanes<R>) -> RayLanes<R> {
@@ -76,17 +75,17 @@ impl<R: Real> LightLanes<R> {
     }
 }
 
-/// `yes` where the mask is true, `no` elsewhere.
+/// Selects `yes` where the mask is true, `no` elsewhere.
 #[inline(always)]
 fn either<M: Mask>(mask: M, yes: M, no: M) -> M {
     mask & yes | !mask & no
 }
 
-/// Shadow rays to a surface stop short of it by this share of their length: the distance at which
-/// the surface itself would be hit is known to a few roundings only.
+/// Shadow rays end this fraction of their length before the target, because the distance to the
+/// target has rounding errors.
 pub(crate) const SHADOW_RAY_LENGTH: f32 = 1.0 - 2e-5;
 
-/// The shadow rays between two points that lie clear of their surfaces.
+/// The shadow rays between two points that are offset from their surfaces.
 #[inline(always)]
 pub(crate) fn shadow_segment<R: Real>(origin: Vector3<R>, target: Vector3<R>) -> RayLanes<R> {
     RayLanes { origin, direction: target - origin, t_max: origin.x.like(SHADOW_RAY_LENGTH) }

@@ -1,4 +1,4 @@
-//! Points on surfaces, several at once.
+//! Points on surfaces, one per lane.
 
 use crate::ids::ShapeId;
 use crate::interaction::SurfaceInteraction;
@@ -7,15 +7,15 @@ use etendue_math::lanes::{Frame3, LaneArray, Lanes, Real, Simd, Vector2, Vector3
 use etendue_math::{Frame, offset_origin_lanes};
 use glam::{Vec2, Vec3};
 
-/// Points on surfaces over any [`Real`]: what shading needs of a [`SurfaceInteraction`], one for each
-/// lane.
+/// Points on surfaces over any [`Real`], one per lane: the part of a [`SurfaceInteraction`] that
+/// shading needs.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceLanes<R> {
     /// The point.
     pub point: Vector3<R>,
-    /// A bound of the absolute error of each coordinate of `point`.
+    /// A bound on the absolute error of each coordinate of `point`.
     pub error: Vector3<R>,
-    /// The unit geometric normal, on the side that the shape calls its front.
+    /// The unit geometric normal, on the front of the shape.
     pub normal: Vector3<R>,
     /// The shading frame; its `n` is on the side of [`normal`](Self::normal).
     pub shading: Frame3<R>,
@@ -25,12 +25,13 @@ pub struct SurfaceLanes<R> {
     pub dp_du: Vector3<R>,
     /// ∂point/∂v.
     pub dp_dv: Vector3<R>,
-    /// The unit direction that the path came from, away from the surface, in the shading frame.
+    /// The unit direction back along the path, in the shading frame.
     pub wi: Vector3<R>,
 }
 
 impl<R: Real> SurfaceLanes<R> {
-    /// The origin of an unbounded ray that leaves the surface towards the world direction `direction`.
+    /// The origin of an unbounded ray that leaves the surface towards the world direction
+    /// `direction`.
     #[inline(always)]
     #[must_use]
     pub fn ray_origin(&self, direction: Vector3<R>) -> Vector3<R> {
@@ -38,7 +39,7 @@ impl<R: Real> SurfaceLanes<R> {
     }
 }
 
-/// As many [`SurfaceLanes`] as the widest lanes take, in memory.
+/// [`SurfaceLanes`] in memory, as many as the widest vector holds.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceBatch {
     point: [LaneArray; 3],
@@ -52,7 +53,7 @@ pub struct SurfaceBatch {
 }
 
 impl SurfaceBatch {
-    /// Stores surfaces, from the place `first` on.
+    /// Stores surfaces, starting at index `first`.
     #[inline(always)]
     pub fn store<S: Simd>(&mut self, surfaces: &SurfaceLanes<Lanes<S>>, first: usize) {
         surfaces.point.store(&mut self.point, first);
@@ -68,7 +69,7 @@ impl SurfaceBatch {
         surfaces.wi.store(&mut self.wi, first);
     }
 
-    /// The surfaces from the place `first` on.
+    /// Loads surfaces, starting at index `first`.
     #[inline(always)]
     #[must_use]
     pub fn load<S: Simd>(&self, simd: S, first: usize) -> SurfaceLanes<Lanes<S>> {
@@ -86,14 +87,14 @@ impl SurfaceBatch {
         }
     }
 
-    /// The point of the surface in one place.
+    /// The point of one surface.
     #[inline(always)]
     #[must_use]
     pub fn point(&self, place: usize) -> Vec3 {
         Vector3::take(&self.point, place).into()
     }
 
-    /// All that is known of the surface in one place, which is that of `hit`.
+    /// The full interaction of one surface, whose hit is `hit`.
     #[must_use]
     pub fn interaction(&self, place: usize, hit: &Hit) -> SurfaceInteraction {
         let at = |arrays| Vec3::from(Vector3::take(arrays, place));

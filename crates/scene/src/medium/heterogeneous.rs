@@ -1,4 +1,4 @@
-//! `heterogeneous`: a medium that differs from place to place.
+//! `heterogeneous`: a medium that varies from point to point.
 
 use super::{ALBEDO, Common, Density, Medium, PHASE, SAMPLE_EMITTERS, SCALE, read_extinction};
 use crate::builder::Builder;
@@ -33,7 +33,7 @@ pub const MANUAL: Manual = Manual {
 </medium>"#,
 };
 
-/// A medium that differs from place to place.
+/// A medium that varies from point to point.
 #[derive(Clone, Debug)]
 pub struct Heterogeneous {
     extinction: Volume,
@@ -42,7 +42,7 @@ pub struct Heterogeneous {
     majorants: Majorants,
 }
 
-/// More collisions than this across a medium take a render out of reach.
+/// A medium with more collisions across it would render too slowly.
 const SLOW_COLLISIONS: f32 = 1e5;
 
 /// Reads the medium.
@@ -69,7 +69,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<M
 }
 
 impl Heterogeneous {
-    /// σt at a point, of flakes that show an area of one.
+    /// σt at a point, for microflakes of projected area one.
     #[inline]
     #[must_use]
     pub fn extinction(&self, point: Vec3) -> Spectrum {
@@ -83,7 +83,7 @@ impl Heterogeneous {
         self.albedo.eval(point).min(Spectrum::ONE)
     }
 
-    /// Finds the places along a ray where it may collide with the medium.
+    /// Finds the possible collisions along a ray.
     #[inline]
     #[must_use]
     pub fn track(&self, ray: &Ray) -> Tracker<'_> {

@@ -49,7 +49,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<M
 }
 
 impl Homogeneous {
-    /// σt, of flakes that show an area of one.
+    /// σt, for microflakes of projected area one.
     #[inline]
     #[must_use]
     pub fn extinction(&self) -> Spectrum {

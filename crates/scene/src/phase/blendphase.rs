@@ -27,7 +27,7 @@ pub const MANUAL: Manual = Manual {
 </phase>"#,
 };
 
-/// What the tests of all phase functions try.
+/// The cases for the tests of all phase functions.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -58,8 +58,8 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
         parameters.warning(Fault::BadValue, "weight", message);
     }
     let mut children = parameters.children_of(Class::Phase);
-    // Children with names count in the order of their names, as in Mitsuba; the others stay in the
-    // order of the file, after them.
+    // Named children come first, in the order of their names, as in Mitsuba. The others follow in
+    // the order of the file.
     children.sort_by(|a, b| match (&a.name, &b.name) {
         (Some(a), Some(b)) => a.cmp(b),
         (a, b) => b.is_some().cmp(&a.is_some()),
@@ -69,7 +69,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<B
     match <[PhaseFunction; 2]>::try_from(parts) {
         Ok(parts) => Some(Blend { weight, parts }),
         Err(parts) => {
-            // Those that could not be built have been reported.
+            // Failures to build have been reported.
             if children.len() != 2 {
                 let message = format!("a blend has two phase functions, not {}", parts.len());
                 parameters.error(Fault::MissingParameter, "", message);
@@ -83,7 +83,7 @@ impl Blend {
     #[inline]
     fn shares(&self, interaction: &MediumInteraction) -> [f32; 2] {
         let second = self.weight.eval_scalar(interaction.point);
-        // A weight that is NaN counts as 0.
+        // A NaN weight counts as 0.
         let second = if second > 0.0 { second.min(1.0) } else { 0.0 };
         [1.0 - second, second]
     }

@@ -1,4 +1,4 @@
-//! `hg`: the phase function of Henyey and Greenstein.
+//! `hg`: the Henyey–Greenstein phase function.
 
 #[cfg(test)]
 use super::tests::Cases;
@@ -22,7 +22,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<phase type="hg"><float name="g" value="0.7"/></phase>"#,
 };
 
-/// What the tests of all phase functions try.
+/// The cases for the tests of all phase functions.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -72,7 +72,7 @@ impl PhaseModel for HenyeyGreenstein {
     ) -> Option<PhaseSample> {
         let g = self.g;
         let cosine = if g.abs() < 1e-3 {
-            // The inverse to first order in g, whose closed form divides by it.
+            // The closed form divides by g, so this is the inverse to first order in g.
             let even = 2.0 * direction.x - 1.0;
             even + 1.5 * g * (1.0 - even * even)
         } else {
@@ -86,11 +86,12 @@ impl PhaseModel for HenyeyGreenstein {
 }
 
 impl HenyeyGreenstein {
-    /// The density of directions at a cosine of the scattering angle.
+    /// The density of a direction, by the cosine of the scattering angle.
     #[inline]
     fn density(&self, cosine: f32) -> f32 {
         let g = self.g;
-        // 1 + g² − 2 g cos θ, as a sum that cancels nowhere: peaks of g near 1 need the digits.
+        // 1 + g² − 2 g cos θ as a sum without cancellation, which keeps the precision of peaks with
+        // g near 1.
         let apart = 1.0 - g.abs();
         let square = apart * apart + 2.0 * (g.abs() - g * cosine).max(0.0);
         0.25 / PI * (1.0 - g) * (1.0 + g) / (square * square.sqrt())

@@ -1,4 +1,4 @@
-//! `isotropic`: scattering without memory of where light came from.
+//! `isotropic`: equal scattering in all directions.
 
 #[cfg(test)]
 use super::tests::Cases;
@@ -17,7 +17,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<phase type="isotropic"/>"#,
 };
 
-/// What the tests of all phase functions try.
+/// The cases for the tests of all phase functions.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -36,7 +36,7 @@ const DENSITY: f32 = 0.25 / PI;
 #[derive(Clone, Copy, Debug)]
 pub struct Isotropic;
 
-/// Reads the parameters: there are none.
+/// Reads the phase function, which has no parameters.
 #[must_use]
 pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<Isotropic> {
     Some(Isotropic)

@@ -17,7 +17,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<phase type="rayleigh"/>"#,
 };
 
-/// What the tests of all phase functions try.
+/// The cases for the tests of all phase functions.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -29,17 +29,17 @@ pub(crate) const CASES: Cases = Cases {
     ],
 };
 
-/// Rayleigh's, of particles much smaller than the wavelength.
+/// Rayleigh scattering, by particles much smaller than the wavelength.
 #[derive(Clone, Copy, Debug)]
 pub struct Rayleigh;
 
-/// Reads the parameters: there are none.
+/// Reads the phase function, which has no parameters.
 #[must_use]
 pub fn build(_builder: &mut Builder<'_>, _parameters: &Parameters<'_>) -> Option<Rayleigh> {
     Some(Rayleigh)
 }
 
-/// The density of directions at a cosine of the scattering angle: 3 (1 + cos² θ) / 16π.
+/// The density of a direction, by the cosine of the scattering angle: 3 (1 + cos² θ) / 16π.
 #[inline]
 fn density(cosine: f32) -> f32 {
     3.0 / (16.0 * PI) * (1.0 + cosine * cosine)
@@ -51,8 +51,9 @@ impl PhaseModel for Rayleigh {
         density(forwardness(interaction, wo))
     }
 
-    /// Inverts the distribution of the cosine, a cubic in c = cos θ: c³ + 3 c = 4 (2 u − 1), by Cardano
-    /// (Frisvad, "Importance sampling the Rayleigh phase function", *JOSA A* 28(12), 2011).
+    /// Inverts the distribution of the cosine. It is a cubic in c = cos θ, c³ + 3 c = 4 (2 u − 1),
+    /// solved by Cardano's formula (Frisvad, "Importance sampling the Rayleigh phase function",
+    /// *JOSA A* 28(12), 2011).
     #[inline]
     fn sample(
         &self,
@@ -61,7 +62,7 @@ impl PhaseModel for Rayleigh {
         direction: Vec2,
     ) -> Option<PhaseSample> {
         let half = 2.0 * (2.0 * direction.x - 1.0);
-        // The root with the sum in it does not cancel; the other is −1 over it.
+        // The root with the sum does not cancel; the other is −1 divided by it.
         let root = (half.abs() + (half * half + 1.0).sqrt()).cbrt();
         let cosine = (root - root.recip()).copysign(half).clamp(-1.0, 1.0);
         let wo = deflected(interaction, cosine, direction.y);

@@ -1,4 +1,4 @@
-//! `sggx`: a cloud of microflakes, whose normals are spread as those of an ellipsoid.
+//! `sggx`: a cloud of microflakes with the normals of an ellipsoid.
 
 #[cfg(test)]
 use super::tests::Cases;
@@ -29,7 +29,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<phase type="sggx"><string name="S" value="0.2, 1, 0.2, 0, 0, 0"/></phase>"#,
 };
 
-/// What the tests of all phase functions try.
+/// The cases for the tests of all phase functions.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -45,14 +45,14 @@ pub(crate) const CASES: Cases = Cases {
 };
 
 /// Heitz, Dupuy, Crassin and Dachsbacher, "The SGGX microflake distribution", *ACM Transactions on
-/// Graphics* 34(4), 2015; with mirrors for flakes.
+/// Graphics* 34(4), 2015. The microflakes are mirrors.
 #[derive(Clone, Debug)]
 pub struct Sggx {
     matrices: Matrices,
     greatest_area: f32,
 }
 
-/// The ellipsoid's matrix.
+/// The matrix of the ellipsoid.
 #[derive(Clone, Debug)]
 enum Matrices {
     Uniform(Mat3),
@@ -76,14 +76,14 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
     built.map_err(|problem| parameters.error(Fault::BadValue, "S", problem)).ok()
 }
 
-/// The symmetric matrix of Sxx, Syy, Szz, Sxy, Sxz, Syz.
+/// The symmetric matrix with entries Sxx, Syy, Szz, Sxy, Sxz, Syz.
 #[inline]
 fn matrix([xx, yy, zz, xy, xz, yz]: [f32; 6]) -> Mat3 {
     Mat3::from_cols(Vec3::new(xx, xy, xz), Vec3::new(xy, yy, yz), Vec3::new(xz, yz, zz))
 }
 
-/// A bound of the square of the area that is seen from any direction, which is the greatest
-/// eigenvalue: the trace, or the greatest sum of a row (Gershgorin).
+/// An upper bound on the squared projected area. The maximum is the largest eigenvalue, which is
+/// bounded by the trace and by the largest row sum (Gershgorin).
 fn greatest_area_squared(s: &Mat3) -> f32 {
     let trace = s.x_axis.x + s.y_axis.y + s.z_axis.z;
     let rows = [s.x_axis, s.y_axis, s.z_axis].map(|row| row.abs().element_sum());
@@ -125,7 +125,7 @@ impl Sggx {
             for y in 0..height {
                 for x in 0..width {
                     let s = matrix(std::array::from_fn(|i| grid.cell(IVec3::new(x, y, z))[i]));
-                    // Cells without flakes are all zero.
+                    // Cells without microflakes are all zero.
                     if s != Mat3::ZERO && !is_positive_definite(&s) {
                         return Err(format!(
                             "the matrix of cell {x}, {y}, {z} is not positive definite"
@@ -148,7 +148,7 @@ impl Sggx {
 }
 
 impl PhaseModel for Sggx {
-    /// The area that flakes show to a direction: √(ωᵀ S ω), equation 10.
+    /// The projected area in a direction: √(ωᵀ S ω), equation 10.
     #[inline]
     fn projected_area(&self, interaction: &MediumInteraction) -> f32 {
         area(&self.matrix_at(interaction.point), interaction.wi)
@@ -178,7 +178,7 @@ impl PhaseModel for Sggx {
         density(&self.matrix_at(interaction.point), interaction.wi, wo)
     }
 
-    /// Chooses a flake that `wi` sees, and mirrors the path at it (section 4.3).
+    /// Samples a microflake visible from `wi` and reflects the path at it (section 4.3).
     fn sample(
         &self,
         interaction: &MediumInteraction,
@@ -189,8 +189,8 @@ impl PhaseModel for Sggx {
         let frame = Frame::from_normal(interaction.wi);
         let axes = Mat3::from_cols(frame.s, frame.t, frame.n);
         let local = axes.transpose() * s * axes;
-        // The columns of Cholesky's factor, with `wi` as the first axis: they take the hemisphere
-        // around `wi` to the side of the ellipsoid that is seen from it.
+        // The columns of the Cholesky factor, with `wi` as the first axis. They map the hemisphere
+        // around `wi` to the visible side of the ellipsoid.
         let to_wi = local.z_axis / local.z_axis.z.sqrt();
         let rest = local.y_axis - to_wi * to_wi.y;
         let to_side = rest / rest.y.sqrt();
@@ -217,7 +217,7 @@ fn density(s: &Mat3, wi: Vec3, wo: Vec3) -> f32 {
     if determinant <= 0.0 {
         return 0.0;
     }
-    // mᵀ S⁻¹ m = |√|S| m|² of the adjugate, which needs no division by a small determinant.
+    // mᵀ S⁻¹ m = |√|S| m|² with the adjugate, which avoids division by a small determinant.
     let adjugate = Mat3::from_cols(
         s.y_axis.cross(s.z_axis),
         s.z_axis.cross(s.x_axis),

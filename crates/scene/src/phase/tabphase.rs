@@ -1,4 +1,4 @@
-//! `tabphase`: a phase function from a table.
+//! `tabphase`: a tabulated phase function.
 
 #[cfg(test)]
 use super::tests::Cases;
@@ -24,7 +24,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<phase type="tabphase"><string name="values" value="0.5, 1.0, 1.5"/></phase>"#,
 };
 
-/// What the tests of all phase functions try.
+/// The cases for the tests of all phase functions.
 #[cfg(test)]
 #[rustfmt::skip]
 pub(crate) const CASES: Cases = Cases {
@@ -41,9 +41,9 @@ pub(crate) const CASES: Cases = Cases {
 /// A table over the cosine of the scattering angle.
 #[derive(Clone, Debug)]
 pub struct Tabulated {
-    /// Densities of the cosine at the ends of the intervals.
+    /// Densities of the cosine at the nodes of the table.
     densities: Vec<f32>,
-    /// The share of everything below each end.
+    /// The cumulative distribution at each node.
     cumulative: Vec<f32>,
 }
 
@@ -72,8 +72,8 @@ pub fn build(_builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<
 }
 
 impl Tabulated {
-    /// A table of values that are finite and not negative; `None` where there are less than two, or
-    /// nothing but zeros.
+    /// A table of finite, nonnegative values; `None` if there are fewer than two, or if all are
+    /// zero.
     fn new(values: &[f32]) -> Option<Self> {
         let step = 2.0 / (values.len().max(2) - 1) as f64;
         let mut cumulative = vec![0.0];
@@ -88,7 +88,7 @@ impl Tabulated {
         })
     }
 
-    /// The density of directions at a cosine of the scattering angle.
+    /// The density of a direction, by the cosine of the scattering angle.
     fn density(&self, cosine: f32) -> f32 {
         let intervals = self.densities.len() - 1;
         let place = 0.5 * (cosine.clamp(-1.0, 1.0) + 1.0) * intervals as f32;

@@ -1,4 +1,4 @@
-//! Every phase function: samples follow the density, which integrates to one.
+//! Tests of all phase functions: samples follow the density, and the density integrates to one.
 
 use super::phase_list;
 use super::*;
@@ -9,7 +9,7 @@ use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_testkit::ChiSquare;
 use etendue_testkit::quadrature::integrate_sphere;
 
-/// The phase function of a text, and what was found wrong with it.
+/// A phase function from XML, and the diagnostics of building it.
 fn read(text: &str) -> (Option<PhaseFunction>, Vec<etendue_document::Diagnostic>) {
     let diagnostics = Diagnostics::new();
     let resources = MemoryResources::default()
@@ -40,14 +40,14 @@ const FLAKES: [f32; 6] = [0.1, 0.8, 0.3, 0.05, -0.1, 0.2];
 
 /// The cases of a plugin. Each is a `<phase>` element.
 pub(crate) struct Cases {
-    /// Phase functions as scenes have them: samples against densities.
+    /// Typical phase functions: samples against densities.
     pub(crate) usual: &'static [&'static str],
-    /// Phase functions so sharp or so strange that their formulas lose digits: nothing may become
-    /// infinite, negative or NaN.
+    /// Extreme phase functions, whose formulas lose precision: nothing may become infinite,
+    /// negative or NaN.
     pub(crate) extreme: &'static [&'static str],
 }
 
-/// Makes `PLUGINS` from the list of phase functions.
+/// Generates `PLUGINS` from the list of phase functions.
 macro_rules! cases {
     ($($module:ident => $name:ident($type:ty);)*) => {
         /// The name and the cases of every plugin.
@@ -57,7 +57,7 @@ macro_rules! cases {
 
 phase_list!(cases);
 
-/// The usual cases of all plugins.
+/// The typical cases of all plugins.
 fn usual() -> impl Iterator<Item = &'static str> {
     PLUGINS.iter().flat_map(|(_, cases)| cases.usual.iter().copied())
 }
@@ -141,7 +141,7 @@ fn the_mean_cosine_is_g() {
     }
 }
 
-/// Values that Mitsuba 3.9.1 gives.
+/// Values from Mitsuba 3.9.1.
 #[test]
 fn values_are_mitsubas() {
     let [a, b, c] =
@@ -180,7 +180,7 @@ fn sggx_is_symmetric_but_for_the_area() {
     }
 }
 
-/// Where all cells of a grid hold one matrix, it is that matrix.
+/// A grid whose cells all hold one matrix equals that matrix.
 #[test]
 fn sggx_reads_its_matrix_from_a_grid() {
     let grid = r#"<phase type="sggx"><volume name="S" type="gridvolume"><string name="filename" value="even.vol"/></volume></phase>"#;
@@ -195,7 +195,7 @@ fn sggx_reads_its_matrix_from_a_grid() {
     assert!(one.is_uniform() && !other.is_uniform());
 }
 
-/// Flakes within the parts of a mixture make its area vary as its weight does.
+/// Microflakes in the components of a blend make its area vary with its weight.
 #[test]
 fn a_mixture_is_uniform_where_its_weight_or_the_area_is() {
     let blend = |part: &str| {

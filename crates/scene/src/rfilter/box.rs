@@ -1,4 +1,4 @@
-//! `box`: every sample counts for the pixel it falls into.
+//! `box`: a sample counts only for the pixel that contains it.
 
 use super::{Profile, ReconstructionFilter};
 use crate::manual::Manual;
@@ -12,7 +12,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<rfilter type="box"/>"#,
 };
 
-/// One over the pixel, zero elsewhere.
+/// One inside the pixel, zero elsewhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoxFilter;
 

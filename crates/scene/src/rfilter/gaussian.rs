@@ -1,4 +1,4 @@
-//! `gaussian`: the usual filter, smooth and without ringing.
+//! `gaussian`: the default filter, smooth and without ringing.
 
 use super::{Profile, ReconstructionFilter};
 use crate::manual::{Manual, parameter};
@@ -12,7 +12,7 @@ pub const MANUAL: Manual = Manual {
     sample: r#"<rfilter type="gaussian"><float name="stddev" value="0.45"/></rfilter>"#,
 };
 
-/// The Gaussian is cut off here.
+/// The radius in standard deviations.
 const DEVIATIONS: f32 = 4.0;
 
 /// exp(−x² / 2σ²) − exp(−8).

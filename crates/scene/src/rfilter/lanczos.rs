@@ -1,4 +1,4 @@
-//! `lanczos`: the windowed sinc, sharpest and with the most ringing.
+//! `lanczos`: the windowed sinc, the sharpest filter and the one that rings most.
 
 use super::{Profile, ReconstructionFilter};
 use crate::manual::{Manual, parameter};
@@ -24,7 +24,7 @@ pub struct Lanczos {
     lobes: f32,
 }
 
-/// More lobes ring further and gain nothing; and the table of the filter has its limits.
+/// More lobes ring further without benefit, and the resolution of the filter's table is limited.
 const MAX_LOBES: i64 = 16;
 
 impl Default for Lanczos {
@@ -52,7 +52,7 @@ impl Lanczos {
 
 fn sinc(x: f32) -> f32 {
     let angle = PI * x;
-    // Below this, the next term of the series, angle²/6, is lost in rounding.
+    // Below this, the next term of the series, angle²/6, is smaller than rounding.
     if angle < 1e-4 { 1.0 } else { angle.sin() / angle }
 }
 

@@ -1,4 +1,4 @@
-//! `mitchell`: a cubic that trades blur against ringing.
+//! `mitchell`: a cubic that trades blurring for ringing.
 
 use super::{Profile, ReconstructionFilter};
 use crate::manual::{Manual, parameter};
@@ -52,7 +52,7 @@ impl Mitchell {
                 + (-18.0 + 12.0 * b + 6.0 * c) * (x * x)
                 + (6.0 - 2.0 * b)
         } else {
-            // As a polynomial of 2 − x, whose constant and linear terms vanish: no digits are lost
+            // A polynomial in 2 − x, whose constant and linear terms vanish. It keeps its precision
             // near the end.
             let y = 2.0 - x;
             (b + 6.0 * c) * (y * y * y) - 6.0 * c * (y * y)

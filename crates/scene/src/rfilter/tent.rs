@@ -1,4 +1,4 @@
-//! `tent`: the influence of a sample falls linearly.
+//! `tent`: the weight of a sample falls linearly with distance.
 
 use super::{Profile, ReconstructionFilter};
 use crate::manual::{Manual, parameter};

@@ -1,4 +1,4 @@
-//! `independent`: no pattern at all.
+//! `independent`: uncorrelated random numbers.
 
 use crate::manual::Manual;
 use etendue_document::Parameters;

@@ -1,4 +1,4 @@
-//! `multijitter`: a grid whose projections are grids too.
+//! `multijitter`: a grid whose projections are grids as well.
 
 use crate::manual::Manual;
 use etendue_document::Parameters;

@@ -1,4 +1,4 @@
-//! `orthogonal`: stratified over every pair of dimensions.
+//! `orthogonal`: stratified in every pair of dimensions.
 
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};

@@ -1,7 +1,8 @@
-//! Light chosen for several paths at once.
+//! Light samples for several paths at once.
 //!
-//! Every lane has the bits of [`Scene::sample_light`]. Panels (parallelograms lights of even radiance), other
-//! meshes of even radiance and even surroundings are sampled in lanes; the other emitters lane by lane.
+//! Every lane equals [`Scene::sample_light`] bit by bit. Parallelograms and other meshes of
+//! constant radiance, and constant environments, are sampled in lanes; other emitters one lane at a
+//! time.
 
 #[cfg(test)]
 mod tests;
@@ -21,7 +22,7 @@ use etendue_spectrum::SpectrumLanes;
 use glam::{Vec2, Vec3};
 
 impl LaneEmitter {
-    /// As [`Emitter::sample_direction`], if all lanes sample this emitter and can do so together.
+    /// [`Emitter::sample_direction`], if all lanes sample this emitter and it supports lanes.
     #[inline(always)]
     fn sample_direction<S: Simd>(
         &self,
@@ -41,7 +42,7 @@ impl LaneEmitter {
     }
 }
 
-/// What several paths at once can sample of each of a scene's emitters.
+/// What lanes can sample of each emitter of a scene.
 #[derive(Debug)]
 pub(crate) struct LaneEmitters(Vec<LaneEmitter>);
 
@@ -51,19 +52,19 @@ impl LaneEmitters {
     }
 }
 
-/// Emitters chosen, one for each lane.
+/// Chosen emitters, one per lane.
 struct Choices<S: Simd> {
-    /// Which emitters; any where none is wanted.
+    /// The emitters; arbitrary in lanes that need none.
     emitters: [u32; MAX_LANES],
-    /// The probability of having chosen them.
+    /// Their probabilities.
     probability: Lanes<S>,
-    /// What is left of the random numbers.
+    /// The rescaled random numbers.
     rest: Lanes<S>,
 }
 
 impl Scene {
-    /// Light from an emitter chosen by chance, seen from `point`; its density is that of all emitters
-    /// together.
+    /// Samples light from a randomly chosen emitter, seen from `point`. The density includes the
+    /// probability of the emitter.
     #[inline(always)]
     #[must_use]
     pub fn sample_light(&self, point: Vec3, mut random: Vec2) -> Option<DirectionSample> {
@@ -74,7 +75,7 @@ impl Scene {
         Some(light)
     }
 
-    /// As [`Self::sample_light`] for the lanes that are `wanted`; there is no light for the others.
+    /// [`Self::sample_light`] for the `wanted` lanes; the others get no light.
     #[inline(always)]
     #[must_use]
     pub fn sample_lights<S: Simd>(
@@ -101,7 +102,7 @@ impl Scene {
         light
     }
 
-    /// As [`Self::choose_emitter`] for each lane.
+    /// [`Self::choose_emitter`] for each lane.
     #[inline(always)]
     fn choose_emitters<S: Simd>(
         &self,
@@ -139,7 +140,7 @@ impl Scene {
         Choices { emitters, probability, rest }
     }
 
-    /// Light of the emitters chosen: in lanes where it can be, and one by one of the others.
+    /// Light from the chosen emitters, in lanes where they support it and otherwise one by one.
     #[inline(always)]
     fn sample_in_lanes<S: Simd>(
         &self,
@@ -193,7 +194,7 @@ impl Scene {
         lights.load(simd)
     }
 
-    /// Points of the emitting meshes of the lanes `meshes`.
+    /// Points on the emitting meshes of the lanes `meshes`.
     #[inline(always)]
     fn points_of_meshes<S: Simd>(
         &self,
@@ -216,7 +217,7 @@ impl Scene {
         batch.points(simd)
     }
 
-    /// Light of the emitters of the lanes `others`, one by one.
+    /// Light from the emitters of the lanes `others`, one by one.
     fn sample_others(
         &self,
         others: u32,
@@ -234,7 +235,7 @@ impl Scene {
     }
 }
 
-/// The lanes whose bits are set, from the first on.
+/// The lanes whose bits are set, in order.
 #[inline(always)]
 fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {

@@ -1,4 +1,4 @@
-//! What a scene consists of.
+//! Statistics of a scene.
 
 use super::Scene;
 use crate::medium::Medium;
@@ -7,12 +7,12 @@ use crate::texture::Texture;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What a scene consists of, for people to read.
+/// Statistics of a scene, for display.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneStatistics {
-    /// Shapes, instances included, those within groups once.
+    /// Shapes, including instances. Shapes within groups count once.
     pub shapes: usize,
-    /// Triangles, those within groups once.
+    /// Triangles. Those within groups count once.
     pub triangles: usize,
     /// Instances of shape groups.
     pub instances: usize,
@@ -22,21 +22,21 @@ pub struct SceneStatistics {
     pub textures: usize,
     /// Emitters by kind.
     pub emitters: BTreeMap<&'static str, usize>,
-    /// Bytes held by meshes.
+    /// Bytes used by meshes.
     pub mesh_bytes: usize,
-    /// Bytes held by the trees over them, and by instances.
+    /// Bytes used by their trees and by instances.
     pub tree_bytes: usize,
-    /// Bytes held by textures, but for the volumes that they show.
+    /// Bytes used by textures, without the volumes that they show.
     pub texture_bytes: usize,
     /// Participating media.
     pub media: usize,
-    /// Bytes held by the grids of media, phase functions and textures, each grid once, and by the
-    /// bounds of media.
+    /// Bytes used by the grids of media, phase functions and textures, each counted once, and by
+    /// the bounds of media.
     pub volume_bytes: usize,
 }
 
 impl Scene {
-    /// What the scene consists of.
+    /// The statistics of the scene.
     #[must_use]
     pub fn statistics(&self) -> SceneStatistics {
         let mut statistics = SceneStatistics {
@@ -79,7 +79,7 @@ impl Scene {
     }
 }
 
-/// Each of these once, however many share it.
+/// Removes duplicates of shared grids.
 fn distinct<T>(mut shared: Vec<&Arc<T>>) -> Vec<&Arc<T>> {
     shared.sort_by_key(|one| Arc::as_ptr(one));
     shared.dedup_by_key(|one| Arc::as_ptr(one));

@@ -8,27 +8,27 @@ use etendue_bvh::{BuildOptions, Bvh, GeometryView, Tier, TriangleMeshView};
 use etendue_math::Bounds3;
 use std::sync::Arc;
 
-/// What stands under a tree: shapes, and after them instances, which place `groups`.
+/// The contents of a tree: shapes, followed by instances, which place `groups`.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct TreeContent<'a> {
     pub(crate) shapes: &'a [Shape],
     pub(crate) instances: &'a [Instance],
     pub(crate) groups: &'a [Group],
-    /// Of each shape; only where there is a cache.
+    /// The digest of each shape; only with a cache.
     pub(crate) geometry_digests: &'a [u128],
-    /// Of the tree of each group; only where there is a cache.
+    /// The digest of each group's tree; only with a cache.
     pub(crate) group_digests: &'a [u128],
 }
 
-/// A tree with a digest of all that decides it.
+/// A tree with a digest of all its inputs.
 pub(crate) struct Tree {
     pub(crate) bvh: Arc<Bvh>,
-    /// Zero where there is no cache.
+    /// Zero without a cache.
     pub(crate) digest: u128,
 }
 
 impl TreeContent<'_> {
-    /// Builds the tree, unless an earlier scene had the same one.
+    /// Builds the tree, or takes the same tree from an earlier scene.
     pub(crate) fn build(
         &self,
         tier: Option<Tier>,
@@ -41,7 +41,7 @@ impl TreeContent<'_> {
         Ok(Tree { bvh: cache.tree(digest, || self.build_tree(tier))?, digest })
     }
 
-    /// A digest of all that decides the tree, the instructions that rays use included.
+    /// A digest of all inputs of the tree, including the instruction set for rays.
     fn digest(&self, tier: Option<Tier>) -> u128 {
         let mut digest = Digest::default();
         digest.text(&format!("{tier:?}"));

@@ -34,7 +34,7 @@ pub const MANUAL: Manual = Manual {
 #[derive(Clone, Debug)]
 pub struct Batch {
     common: SensorCommon,
-    /// One or more, from the left.
+    /// At least one, from left to right.
     sensors: Vec<Sensor>,
 }
 
@@ -86,10 +86,10 @@ impl SensorModel for Batch {
 }
 
 impl Batch {
-    /// The sensor at a place on the film, and the place on its own part of it.
+    /// The sensor at a film position, and the position on that sensor's part of the film.
     fn at(&self, film_position: Vec2) -> Option<(&Sensor, Vec2)> {
         let scaled = film_position.x * self.sensors.len() as f32;
-        // What a filter reaches beyond the film belongs to the sensor at its edge.
+        // Samples beyond the film, within the filter's radius, belong to the sensor at the edge.
         let index = (scaled.max(0.0) as usize).min(self.sensors.len() - 1);
         let sensor = self.sensors.get(index)?;
         Some((sensor, Vec2::new(scaled - index as f32, film_position.y)))

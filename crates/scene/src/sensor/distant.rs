@@ -1,4 +1,4 @@
-//! `distant`: what leaves the scene in one direction.
+//! `distant`: the radiance that leaves the scene in one direction.
 
 use super::{
     FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorModel, SensorRay,
@@ -39,17 +39,17 @@ pub const MANUAL: Manual = Manual {
 </sensor>"#,
 };
 
-/// What leaves the scene in one direction.
+/// Measures the radiance that leaves the scene in one direction.
 #[derive(Clone, Debug)]
 pub struct Distant {
     pub(crate) common: SensorCommon,
     target: Target,
-    /// The sphere around the scene.
+    /// The bounding sphere of the scene.
     centre: Vec3,
     radius: f32,
 }
 
-/// What rays are aimed at.
+/// The target of the rays.
 #[derive(Clone, Debug)]
 enum Target {
     Scene,
@@ -57,7 +57,7 @@ enum Target {
     Shape(Box<Shape>),
 }
 
-/// The sphere around the scene is enlarged by this much, so that rays start outside of it.
+/// Enlarges the bounding sphere, so that rays start outside the scene.
 const MARGIN: f32 = 1.0 + 1e-4;
 
 /// Reads the sensor.
@@ -122,7 +122,7 @@ impl SensorModel for Distant {
         Some(SensorRay { ray: Ray::new(origin, direction), weight })
     }
 
-    /// Tells the sensor how large the scene is.
+    /// Sets the bounds of the scene.
     fn set_bounds(&mut self, bounds: &Bounds3) {
         if !bounds.is_empty() {
             let (centre, radius) = bounds.bounding_sphere();

@@ -1,4 +1,4 @@
-//! `irradiancemeter`: what arrives on a shape.
+//! `irradiancemeter`: the irradiance on a shape.
 
 use super::{
     FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorModel, SensorRay,
@@ -26,11 +26,11 @@ pub const MANUAL: Manual = Manual {
 </shape>"#,
 };
 
-/// What arrives on a shape.
+/// Measures the irradiance on a shape.
 #[derive(Clone, Debug)]
 pub struct Irradiancemeter {
     pub(crate) common: SensorCommon,
-    /// A copy of the shape's geometry: sensors know no scene.
+    /// A copy of the shape's geometry, because sensors have no access to the scene.
     shape: Shape,
 }
 
@@ -58,8 +58,8 @@ impl SensorModel for Irradiancemeter {
         true
     }
 
-    /// A ray from a uniform point of the shape, in proportion to the cosine: what arrives along it
-    /// counts π.
+    /// A ray from a uniform point of the shape, with a cosine-weighted direction. Its radiance has
+    /// weight π.
     #[cold]
     fn sample_ray(&self, place: Vec2, direction: Vec2) -> Option<SensorRay> {
         let sample = self.shape.sample_area(place - place.floor())?;

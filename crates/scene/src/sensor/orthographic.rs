@@ -1,4 +1,4 @@
-//! `orthographic`: parallel rays.
+//! `orthographic`: a camera with parallel rays.
 
 use super::{
     Connection, FAR_CLIP, FILM, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
@@ -24,13 +24,13 @@ pub const MANUAL: Manual = Manual {
 </sensor>"#,
 };
 
-/// A camera without perspective.
+/// A camera with parallel rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Orthographic {
     pub(crate) common: SensorCommon,
     /// Width over height of the film.
     aspect: f64,
-    /// The left upper corner of the near plane, and what lies across and down from it.
+    /// The top left corner of the near plane, and its horizontal and vertical edges.
     corner: Vec3,
     across: Vec3,
     down: Vec3,
@@ -59,8 +59,7 @@ impl SensorModel for Orthographic {
         Some(SensorRay { ray: self.ray(film_position), weight: 1.0 })
     }
 
-    /// The reverse of [`Self::ray`]: light that leaves along the view shows, on a film whose unit square
-    /// covers a rectangle of the scene.
+    /// The inverse of [`Self::ray`]. The importance is one over the area that the film shows.
     fn connect(&self, point: Vec3, _aperture: Vec2) -> Option<Connection> {
         let local = self.common.to_world.inverse_point(point);
         let (near, far) = (self.common.near_clip, self.common.far_clip);
@@ -74,7 +73,7 @@ impl SensorModel for Orthographic {
         })
     }
 
-    /// Camera space to the film, z being 0 at the near and 1 at the far plane.
+    /// Maps camera space to the film; z is 0 at the near plane and 1 at the far plane.
     fn projection(&self) -> DMat4 {
         let near = f64::from(self.common.near_clip);
         let depth = f64::from(self.common.far_clip) - near;

@@ -55,7 +55,7 @@ pub const MANUAL: Manual = Manual {
 </sensor>"#,
 };
 
-/// The most sizes of the film by which the view can be moved.
+/// The greatest shift of the principal point, in film sizes.
 const MAX_SHIFT: f64 = 1e3;
 
 /// A pinhole camera.
@@ -95,7 +95,7 @@ impl SensorModel for Perspective {
         Some(SensorRay { ray: self.ray(film_position), weight: 1.0 })
     }
 
-    /// The reverse of [`Self::ray`].
+    /// The inverse of [`Self::ray`].
     fn connect(&self, point: Vec3, _aperture: Vec2) -> Option<Connection> {
         let local = self.common.to_world.inverse_point(point);
         let (film_position, importance) =
@@ -119,7 +119,7 @@ impl Perspective {
         self.ray_lanes::<f32>(film_position.into()).into()
     }
 
-    /// As [`Self::ray`], over any [`Real`].
+    /// [`Self::ray`] over any [`Real`].
     #[inline(always)]
     fn ray_lanes<R: Real>(&self, film_position: Vector2<R>) -> RayLanes<R> {
         let direction = self.plane.direction_lanes(film_position);

@@ -1,4 +1,4 @@
-//! `radiancemeter`: one ray.
+//! `radiancemeter`: the radiance along one ray.
 
 use super::{
     FILM, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon, SensorModel, SensorRay,
@@ -32,7 +32,7 @@ pub const MANUAL: Manual = Manual {
 </sensor>"#,
 };
 
-/// One ray.
+/// Measures the radiance along one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Radiancemeter {
     pub(crate) common: SensorCommon,

@@ -1,4 +1,4 @@
-//! Rays against Mitsuba's, and what must hold for every sensor.
+//! Rays compared with Mitsuba's, and properties of all sensors.
 
 use super::{Sensor, orthographic, perspective, thinlens};
 use crate::film::FilmSpec;
@@ -81,7 +81,7 @@ fn rays_are_those_of_mitsuba() {
     assert!(records.len() > 40);
     for record in records {
         let ray = record.sensor.sample_ray(record.film_position, record.aperture).ray;
-        // Mitsuba goes through a 4×4 matrix in single precision.
+        // Mitsuba multiplies by a 4×4 matrix in single precision.
         let line = record.line;
         assert!((ray.origin - record.origin).length() < 3e-6, "{line}: {ray:?}");
         assert!((ray.direction - record.direction).length() < 6e-6, "{line}: {ray:?}");
@@ -92,7 +92,7 @@ fn rays_are_those_of_mitsuba() {
 #[test]
 fn the_matrices_lead_back_to_the_film() {
     for record in records() {
-        // A lens has no one projection but at the focus; through its centre it is a pinhole.
+        // A lens has a single projection only at the focus; through its centre it is a pinhole.
         let ray = record.sensor.sample_ray(record.film_position, Vec2::splat(0.5)).ray;
         let matrices = record.sensor.camera_matrices();
         let project = |distance: f32| {
@@ -102,7 +102,7 @@ fn the_matrices_lead_back_to_the_film() {
         for distance in [0.0, 5.0] {
             let place = project(distance);
             let error = (place.truncate().truncate() - record.film_position).length();
-            // Near planes at a hundredth of the distance to the origin cost two digits.
+            // A near plane at a hundredth of the distance to the origin costs two digits.
             assert!(error < 1e-4, "{}: {place}", record.line);
         }
         assert!(project(0.0).z.abs() < 1e-3, "the near plane: {}", record.line);
@@ -167,7 +167,7 @@ fn rays_of_a_lens_meet_at_the_focus_and_start_on_the_aperture() {
     }
 }
 
-/// What is found when a sensor is built.
+/// The diagnostics of building a sensor.
 fn findings(node: &TestNode, plugin: &str) -> Vec<(Severity, Fault)> {
     build(node, plugin, UVec2::new(3, 2));
     let of = |found: &Diagnostic| (found.severity, found.fault);

@@ -1,4 +1,4 @@
-//! `thinlens`: a camera with one distance in focus.
+//! `thinlens`: a camera with depth of field.
 
 use super::{
     FAR_CLIP, FILM, MAX_VALUE, NEAR_CLIP, SAMPLER, SHUTTER_CLOSE, SHUTTER_OPEN, SRF, SensorCommon,
@@ -64,9 +64,9 @@ pub struct ThinLens {
     view: View,
     lens: Lens,
     centre: Vec3,
-    /// The aperture's two half axes in world space.
+    /// The two semi-axes of the aperture in world space.
     aperture: [Vec3; 2],
-    /// By how much they turn a ray of length one along the view towards the focus.
+    /// How much they deflect a ray of unit depth towards the focus.
     tilt: [Vec3; 2],
     plane: ImagePlane,
 }
@@ -120,13 +120,13 @@ impl SensorModel for ThinLens {
         Some(SensorRay { ray: self.ray(film_position, aperture), weight: 1.0 })
     }
 
-    /// The reverse of [`Self::ray`].
+    /// The inverse of [`Self::ray`].
     fn connect(&self, point: Vec3, aperture: Vec2) -> Option<Connection> {
         let local = self.common.to_world.inverse_point(point);
         let disk = warp::concentric_disk::sample(aperture);
         let lens = (disk * self.lens.radius as f32).extend(0.0);
         let path = local - lens;
-        // The film shows what lies in focus, at this share of the focus distance.
+        // Where the path meets the plane in focus, divided by the focus distance.
         let focus = lens.truncate() / self.lens.focus_distance as f32 + path.truncate() / path.z;
         let (film_position, importance) = self.view.film_point(path, focus)?;
         let origin = self.centre + self.aperture[0] * disk.x + self.aperture[1] * disk.y;
@@ -158,7 +158,7 @@ impl ThinLens {
     fn ray(&self, film_position: Vec2, aperture: Vec2) -> Ray {
         let point = warp::concentric_disk::sample(aperture);
         let from_centre = self.aperture[0] * point.x + self.aperture[1] * point.y;
-        // Every ray of a film position meets the pinhole's ray at the focus distance.
+        // All rays of a film position meet the pinhole ray at the focus distance.
         let tilt = self.tilt[0] * point.x + self.tilt[1] * point.y;
         let direction = self.plane.direction(film_position) - tilt;
         let length = direction.length();

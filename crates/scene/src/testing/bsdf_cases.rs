@@ -1,43 +1,43 @@
-//! What the tests of all materials try: every BSDF plugin states its cases in its own file.
+//! The cases for the tests of all materials. Each BSDF plugin defines them in its own file.
 
 use super::material::TestMaterial;
 use crate::bsdf::{self, bsdf_list};
 
 /// The cases of a plugin. Each is a `<bsdf>` element.
 pub(crate) struct Cases {
-    /// Materials as scenes have them: samples against densities, energy, reciprocity.
+    /// Typical materials: samples against densities, energy, reciprocity.
     pub(crate) usual: &'static [Configuration],
-    /// Surfaces so smooth, so rough or so strange that their formulas lose digits: nothing may become
-    /// infinite, negative or NaN.
+    /// Extreme materials, whose formulas lose precision: nothing may become infinite, negative or
+    /// NaN.
     pub(crate) extreme: &'static [&'static str],
-    /// Materials whose closures share a batch, with parameters that go to their limits: at least one
-    /// without textures, one with a texture and, unless light passes through, one inside `twosided`
-    /// for each kind of closure. Empty for plugins whose closures are shaded one by one.
+    /// Materials whose closures share a batch, with parameters up to their limits. For each kind of
+    /// closure, there is at least one without textures, one with a texture and, unless light passes
+    /// through, one inside `twosided`. Empty for plugins whose closures are shaded one by one.
     pub(crate) batched: &'static [&'static str],
 }
 
-/// A material and what is expected of it.
+/// A material and its expected properties.
 pub(crate) struct Configuration {
     /// The `<bsdf>` element.
     pub(crate) xml: &'static str,
-    /// Whether swapping the directions changes nothing, but for the adjoint of refraction.
+    /// Whether it is reciprocal, apart from the adjoint of refraction.
     pub(crate) reciprocal: bool,
-    /// Whether it scatters all light in one way or another, once the light is let go on.
+    /// Whether it scatters all light, including light that passes straight through.
     pub(crate) lossless: bool,
 }
 
-/// A reciprocal material that absorbs some light.
+/// A reciprocal material with absorption.
 pub(crate) const fn plain(xml: &'static str) -> Configuration {
     Configuration { xml, reciprocal: true, lossless: false }
 }
 
-/// A reciprocal material that absorbs none.
+/// A reciprocal material without absorption.
 pub(crate) const fn lossless(xml: &'static str) -> Configuration {
     Configuration { xml, reciprocal: true, lossless: true }
 }
 
-/// A material that is not reciprocal: shadowed bumps are not, nor is what `principledthin` hides, nor
-/// made-up measurements.
+/// A material that is not reciprocal, such as shadowed bumps, `principledthin`, or made-up
+/// measurements.
 pub(crate) const fn one_way(xml: &'static str) -> Configuration {
     Configuration { xml, reciprocal: false, lossless: false }
 }
@@ -48,7 +48,7 @@ impl Configuration {
     }
 }
 
-/// Makes `plugins` and `batched` from the list of BSDFs.
+/// Generates `plugins` and `batched` from the list of BSDFs.
 macro_rules! cases {
     (
         batched { $($batched:ident => $batched_name:ident $kinds:tt;)* }
@@ -71,7 +71,7 @@ macro_rules! cases {
 
 bsdf_list!(cases);
 
-/// The usual configurations of all plugins.
+/// The typical cases of all plugins.
 pub(crate) fn configurations() -> impl Iterator<Item = &'static Configuration> {
     PLUGINS.iter().flat_map(|(_, cases)| cases.usual)
 }

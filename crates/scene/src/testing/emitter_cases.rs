@@ -1,4 +1,4 @@
-//! What the tests of all emitters try: every emitter plugin states its cases in its own file.
+//! The cases for the tests of all emitters. Each emitter plugin defines them in its own file.
 
 use crate::emitter::{self, emitter_list};
 use crate::{BuildOptions, Scene, build_scene};
@@ -6,20 +6,20 @@ use etendue_document::{Diagnostics, MemoryResources};
 use etendue_image::{Channel, EncodeOptions, FileFormat, Picture, encode};
 use etendue_mitsuba::{LoadOptions, read_text};
 
-/// The cases of a plugin. Each is a `<shape>` or an `<emitter>` element, the scene's only light.
+/// The cases of a plugin. Each is a `<shape>` or an `<emitter>` element, the only light of its
+/// scene.
 pub(crate) struct Cases {
-    /// Lights that rays find by chance: samples against the densities of traced rays. Empty where only
-    /// sampling finds the light.
+    /// Lights that rays can hit: samples against the densities of traced rays. Empty for delta
+    /// lights.
     pub(crate) hittable: &'static [&'static str],
-    /// Lights that shine on the disk of radius 0.6 around (0, 0, −1): light that leaves them against
-    /// light that is sampled. Empty where no point can sample the light.
+    /// Lights that illuminate the disk of radius 0.6 around (0, 0, −1): rays from the light against
+    /// direction samples. Empty if no point can sample the light.
     pub(crate) leaving: &'static [&'static str],
-    /// Lights so small, so bright or so strange that their formulas lose digits: nothing may become
-    /// infinite, negative or NaN.
+    /// Extreme lights, whose formulas lose precision: nothing may become infinite, negative or NaN.
     pub(crate) extreme: &'static [&'static str],
 }
 
-/// Makes `PLUGINS` from the list of emitters.
+/// Generates `PLUGINS` from the list of emitters.
 macro_rules! cases {
     (
         free { $($module:ident => $name:ident($type:ty);)* }
@@ -35,12 +35,12 @@ macro_rules! cases {
 
 emitter_list!(cases);
 
-/// All lights that rays find by chance.
+/// All lights that rays can hit.
 pub(crate) fn hittable() -> impl Iterator<Item = &'static str> {
     PLUGINS.iter().flat_map(|(_, cases)| cases.hittable.iter().copied())
 }
 
-/// All lights that shine on the disk that [`Cases::leaving`] names.
+/// All lights that illuminate the disk of [`Cases::leaving`].
 pub(crate) fn leaving() -> impl Iterator<Item = &'static str> {
     PLUGINS.iter().flat_map(|(_, cases)| cases.leaving.iter().copied())
 }
@@ -50,7 +50,7 @@ pub(crate) fn extreme() -> impl Iterator<Item = &'static str> {
     PLUGINS.iter().flat_map(|(_, cases)| cases.extreme.iter().copied())
 }
 
-/// A scene of the given elements, which may name the files of this module.
+/// A scene of the given elements, which may refer to the files of this module.
 pub(crate) fn scene(elements: &str) -> Scene {
     let diagnostics = Diagnostics::new();
     let resources = MemoryResources::default()
@@ -65,7 +65,7 @@ pub(crate) fn scene(elements: &str) -> Scene {
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()))
 }
 
-/// A picture with a bright spot on a varying ground.
+/// An image with a bright spot on a varying background.
 fn sky() -> Vec<u8> {
     let (width, height) = (16, 8);
     let value = |index: usize| {
@@ -96,12 +96,12 @@ fn slide() -> Vec<u8> {
         .expect("the picture can be written")
 }
 
-/// Three triangles, the last without area, and a normal for each corner.
+/// Three triangles, the last one degenerate, and a normal for each corner.
 const ROOF: &str = "v -1 0 0\nv 1 0 -0.5\nv 0.2 2 1\nv -3 1 2\nv 0 0 -0.25\n\
     vn 0 0 1\nvn 0.3 -0.2 1\nvn -1 0 0.5\nvn 0 0 -1\n\
     f 1//1 2//2 3//3\nf 1//1 3//3 4//4\nf 1//1 2//2 5//1\n";
 
-/// More triangles than one random number chooses from: a bumpy field.
+/// More triangles than one random number can select: a bumpy terrain.
 fn field() -> String {
     const SIDE: usize = 50;
     let height = |x: usize, y: usize| (x * 7 + y * 13) % 11;

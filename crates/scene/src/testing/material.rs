@@ -14,7 +14,7 @@ use etendue_mitsuba::LoadOptions;
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
 
-/// A material with everything it refers to.
+/// A material with everything that it refers to.
 pub(crate) struct TestMaterial {
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
@@ -23,7 +23,7 @@ pub(crate) struct TestMaterial {
 }
 
 impl TestMaterial {
-    /// Builds the material of a `<bsdf>` element, which must be free of faults.
+    /// Builds the material of a `<bsdf>` element without diagnostics.
     #[track_caller]
     pub(crate) fn read(xml: &str) -> Self {
         let (material, found) = read(xml);
@@ -31,24 +31,24 @@ impl TestMaterial {
         material.expect("a material, or a diagnostic")
     }
 
-    /// The resolved scattering at [`surface`].
+    /// The closure at [`surface`].
     pub(crate) fn bsdf(&self, wi: Vec3) -> Bsdf<'_> {
         self.bsdf_at(&surface(wi))
     }
 
-    /// The resolved scattering at a hit.
+    /// The closure at a hit.
     pub(crate) fn bsdf_at(&self, surface: &SurfaceInteraction) -> Bsdf<'_> {
         self.materials().prepare(self.root, Textures(&self.textures), surface)
     }
 
-    /// The material with those that it holds.
+    /// The material and its nested materials.
     pub(crate) fn materials(&self) -> Materials<'_> {
         Materials { materials: &self.materials, batch: &self.batch }
     }
 }
 
-/// Asserts that building the material of a `<bsdf>` element finds one fault, of this kind, and that
-/// its message holds `words`.
+/// Asserts that building the material of a `<bsdf>` element reports a single fault of this kind,
+/// whose message contains `words`.
 #[track_caller]
 pub(crate) fn assert_finds(xml: &str, severity: Severity, fault: Fault, words: &str) {
     let found = read(xml).1;
@@ -74,7 +74,7 @@ pub(crate) fn assert_same(first: &str, second: &str) {
     }
 }
 
-/// Files that materials may name.
+/// Files that materials may refer to.
 fn resources() -> MemoryResources {
     MemoryResources::default()
         .with("isotropic.bsdf", include_bytes!("../bsdf/measured/isotropic.bsdf").to_vec())
@@ -101,7 +101,7 @@ fn read(xml: &str) -> (Option<TestMaterial>, Vec<Diagnostic>) {
     (root.map(|root| TestMaterial { materials, textures, batch, root }), diagnostics.sorted())
 }
 
-/// A hit on the plane z = 0, whose shading frame is the world's.
+/// A hit on the plane z = 0, whose shading frame is that of the world.
 pub(crate) fn surface(wi: Vec3) -> SurfaceInteraction {
     SurfaceInteraction {
         point: Vec3::ZERO,

@@ -1,4 +1,4 @@
-//! Scene documents of a few nodes, for the tests of plugins.
+//! Scene documents of a few nodes for the tests of plugins.
 
 use crate::builder::{Assets, BuildOptions, Builder};
 use etendue_document::{
@@ -51,7 +51,7 @@ impl TestNode {
         self.with(name, Value::Integer(value))
     }
 
-    /// Adds a text.
+    /// Adds a string.
     pub(crate) fn string(self, name: &str, value: &str) -> Self {
         self.with(name, Value::String(value.to_owned()))
     }
@@ -71,7 +71,7 @@ impl TestNode {
         self
     }
 
-    /// Builds something from the node. Every parameter must be read.
+    /// Builds something from the node, which must read every parameter.
     pub(crate) fn build<T>(&self, build: impl FnOnce(&mut Builder<'_>, &Parameters<'_>) -> T) -> T {
         let assets = Assets::new(&self.document, &self.resources, &self.diagnostics);
         let options = BuildOptions::default();
@@ -83,7 +83,7 @@ impl TestNode {
         built
     }
 
-    /// Builds something that must be without errors and warnings.
+    /// Builds something without errors or warnings.
     pub(crate) fn build_cleanly<T>(
         &self,
         build: impl FnOnce(&mut Builder<'_>, &Parameters<'_>) -> Option<T>,
@@ -93,7 +93,7 @@ impl TestNode {
         built.expect("no error was reported")
     }
 
-    /// What has been found so far.
+    /// The diagnostics so far.
     pub(crate) fn findings(&self) -> Vec<Diagnostic> {
         self.diagnostics.sorted()
     }

@@ -1,4 +1,4 @@
-//! Random surfaces of revolution, rays at them, and another way to find where the rays pass through.
+//! Random surfaces of revolution, rays at them, and an independent solver for their crossings.
 
 use etendue_math::Ray;
 use etendue_scene::models::profile::{self, Segment};
@@ -7,32 +7,33 @@ use etendue_testkit::TestRng;
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use std::f32::consts::TAU;
 
-/// What a count of rays has found.
+/// The results of a number of rays.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     /// Rays that were cast.
     pub(crate) rays: u64,
-    /// Places where they pass through a surface, as the oracle finds them.
+    /// Crossings that the oracle finds.
     pub(crate) crossings: u64,
-    /// Crossings that the surface does not find.
+    /// Crossings that the surface misses.
     pub(crate) missed: u64,
-    /// Crossings that the surface finds and the oracle does not.
+    /// Crossings that the oracle does not confirm.
     pub(crate) invented: u64,
-    /// Lines that pass through a closed surface an odd number of times.
+    /// Lines that cross a closed surface an odd number of times.
     pub(crate) odd: u64,
     /// Hits farther than 10⁻⁵ of the surface's size from it.
     pub(crate) off: u64,
-    /// First hits or shadows that differ from the first crossing ahead.
+    /// Closest hits or shadow tests that differ from the first crossing ahead.
     pub(crate) inconsistent: u64,
-    /// Rays left out of `missed` and `invented`, because they graze the surface so closely, or pass
-    /// so closely by the end of a segment, that the oracle's own rounding decides.
+    /// Rays excluded from `missed` and `invented`. They graze the surface, or pass the end of a
+    /// segment, so closely that the oracle's rounding decides.
     pub(crate) undecided: u64,
-    /// A ray that counts as missed or invented, with how many crossings there are and should be.
+    /// A missed or invented crossing: the ray, with the actual and the expected number of
+    /// crossings.
     pub(crate) first_difference: Option<(Ray, usize, usize)>,
 }
 
 impl Counts {
-    /// Adds what others have found.
+    /// Adds other results.
     pub(crate) fn add(&mut self, other: &Self) {
         self.rays += other.rays;
         self.crossings += other.crossings;
@@ -45,11 +46,11 @@ impl Counts {
         self.first_difference = self.first_difference.or(other.first_difference);
     }
 
-    /// Whether nothing is wrong.
+    /// Whether there are no failures.
     pub(crate) fn is_clean(&self) -> bool {
         let wrong = self.missed + self.invented + self.odd + self.off + self.inconsistent;
-        // The oracle's doubt is about one in 10¹⁰ of all positions; rays that are aimed at edges and
-        // along tangents are the larger part.
+        // The oracle is unsure about one in 10¹⁰ positions. Most undecided rays are aimed at
+        // edges or along tangents.
         wrong == 0 && self.rays > 0 && self.undecided * 1000 < self.rays
     }
 }
@@ -93,8 +94,8 @@ pub(crate) fn random_subject(random: &mut TestRng) -> Subject {
 }
 
 impl Subject {
-    /// A ray at the surface: of no special kind, or level, along the axis, through it, along a
-    /// tangent, at an end of a segment.
+    /// A ray at the surface: arbitrary, perpendicular to the axis, along it, through it, along a
+    /// tangent, or at the end of a segment.
     pub(crate) fn random_ray(&self, random: &mut TestRng) -> Ray {
         let origin = random.unit_vector() * (3.0 * random.next_f32());
         let target = random.unit_vector() * (1.4 * random.next_f32().sqrt());
@@ -124,7 +125,7 @@ impl Subject {
         (turned(point), turned(DVec2::new(-tangent.y, tangent.x)))
     }
 
-    /// Casts `count` rays, and compares.
+    /// Casts `count` rays and compares their crossings.
     pub(crate) fn compare(&self, random: &mut TestRng, count: u64) -> Counts {
         let mut counts = Counts::default();
         for _ in 0..count {
@@ -150,7 +151,7 @@ impl Subject {
                 counts.first_difference.get_or_insert((ray, found.len(), known.len()));
                 counts.missed += (known.len().saturating_sub(found.len())) as u64;
                 counts.invented += (found.len().saturating_sub(known.len())) as u64;
-                // As many, but elsewhere.
+                // The number agrees, but not the positions.
                 counts.missed += u64::from(known.len() == found.len());
             } else {
                 counts.undecided += 1;
@@ -164,15 +165,15 @@ fn random_share(random: &mut TestRng) -> f64 {
     f64::from(random.next_f32())
 }
 
-/// A crossing as the oracle finds it.
+/// A crossing found by the oracle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known {
     t: f64,
-    /// What rounding may change in t.
+    /// The rounding error of t.
     accuracy: f64,
 }
 
-/// Whether two lists of crossings are the same.
+/// Whether two lists of crossings agree.
 fn agree(found: &[Crossing], known: &[Known]) -> bool {
     found.len() == known.len()
         && found
@@ -181,13 +182,13 @@ fn agree(found: &[Crossing], known: &[Known]) -> bool {
             .all(|(found, known)| (found.t - known.t).abs() < 1e-8 + known.accuracy)
 }
 
-/// Values of the polynomial below this share of its terms are the oracle's rounding. They come from
-/// powers of the parameter, whose terms cancel.
+/// Polynomial values below this fraction of the terms are rounding errors of the oracle, which
+/// evaluates powers of the parameter whose terms cancel.
 const ORACLE_ROUNDING: f64 = 1e-12;
 
-/// Where a ray's line passes through the surface, in order, and whether that is beyond doubt. The
-/// same elimination, but in powers of the parameter, for whole segments, by the roots of all
-/// derivatives in turn, which bracket each other's: nothing in common with what is tested.
+/// The crossings of a ray's line with the surface, in order, and whether they are certain. The
+/// elimination is the same, but it uses powers of the parameter on whole segments. The roots of
+/// each derivative bracket those of the one before. None of this is shared with the tested code.
 pub(crate) fn oracle(segments: &[Segment], ray: &Ray) -> (Vec<Known>, bool) {
     let (p, v) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let mut crossings = Vec::new();
@@ -210,8 +211,8 @@ pub(crate) fn oracle(segments: &[Segment], ray: &Ray) -> (Vec<Known>, bool) {
         let scale: f64 = (0..7).map(|i| a[i].abs() + b[i].abs() + (c[i] * v.y * v.y).abs()).sum();
         let (roots, least) = roots(&f);
         is_decided &= least > ORACLE_ROUNDING * scale;
-        // Evaluating the polynomial rounds it by some 10⁻¹⁵ of its terms. That moves a root by as much
-        // over the slope, which is little for grazing and for nearly level rays.
+        // Evaluating the polynomial rounds it by about 10⁻¹⁵ of its terms. The root moves by that
+        // over the slope, which is small for grazing and for nearly level rays.
         let (slope, steepness) = (derivative(&f), derivative(&y));
         crossings.extend(roots.iter().map(|s| {
             let shift = 1e-14 * scale / value(&slope, *s).abs();
@@ -243,7 +244,7 @@ fn level_crossings(
         *is_decided &= discriminant.abs() > ORACLE_ROUNDING;
         if discriminant >= 0.0 {
             let half = discriminant.sqrt();
-            // Grazing rays again; the height's own slope has been decided on.
+            // Grazing rays again; the slope of the height has been checked.
             let accuracy = 1e-12 / half;
             let at = |side: f64| Known { t: -b / a + side * half, accuracy };
             crossings.extend([-1.0, 1.0].map(at));
@@ -273,8 +274,7 @@ fn derivative(polynomial: &[f64]) -> Vec<f64> {
     polynomial.iter().enumerate().skip(1).map(|(i, c)| c * i as f64).collect()
 }
 
-/// The places in [0, 1] where the sign changes, and the least magnitude among the ends and the
-/// extrema.
+/// The sign changes in [0, 1], and the least magnitude among the ends and the extrema.
 fn roots(polynomial: &[f64]) -> (Vec<f64>, f64) {
     let mut ends = vec![0.0, 1.0];
     if polynomial.len() > 2 {
@@ -291,8 +291,8 @@ fn roots(polynomial: &[f64]) -> (Vec<f64>, f64) {
     (found, least)
 }
 
-/// The root between two parameters with different signs: regula falsi in the Illinois way, at most
-/// as many steps as bisection needs, and then bisection.
+/// The root between two parameters with different signs, by regula falsi (Illinois), followed by
+/// bisection. The first takes at most as many steps as bisection needs.
 fn bisect(polynomial: &[f64], mut low: f64, mut high: f64) -> f64 {
     let (mut at_low, mut at_high) = (value(polynomial, low), value(polynomial, high));
     for step in 0..120 {

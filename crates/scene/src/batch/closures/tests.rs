@@ -1,4 +1,5 @@
-//! Lanes against hits alone, bit by bit, with every set of instructions of this machine.
+//! Closures in lanes equal those of single hits bit by bit, with every instruction set of this
+//! machine.
 
 use super::*;
 use crate::interaction::SurfaceInteraction;
@@ -11,7 +12,7 @@ use etendue_spectrum::Spectrum;
 use etendue_testkit::TestRng;
 use glam::{Vec2, Vec3};
 
-/// The batched cases of all plugins, by the kinds of their closures.
+/// The batched cases of all plugins, by the kind of their closures.
 fn materials_by_kind() -> Vec<(LaneKind, Vec<(&'static str, TestMaterial)>)> {
     let all: Vec<_> = PLUGINS
         .iter()
@@ -29,7 +30,7 @@ fn materials_by_kind() -> Vec<(LaneKind, Vec<(&'static str, TestMaterial)>)> {
     by_kind
 }
 
-/// What lanes cannot hold.
+/// Materials that lanes cannot hold.
 const OTHERS: &[&str] = &[
     r#"<bsdf type="null"/>"#,
     r#"<bsdf type="roughplastic"><boolean name="sample_visible" value="false"/></bsdf>"#,
@@ -50,7 +51,7 @@ fn levels() -> Vec<Level> {
     levels
 }
 
-/// The directions and numbers of as many paths as there are lanes.
+/// The directions and random numbers of one path per lane.
 struct Paths {
     wi: [Vec3; MAX_LANES],
     wo: [Vec3; MAX_LANES],
@@ -69,7 +70,7 @@ impl Paths {
     }
 }
 
-/// Any direction, with those along the axes and the surface often among them.
+/// Arbitrary directions, often along the axes or the surface.
 fn direction(random: &mut TestRng) -> Vec3 {
     let any = random.unit_vector();
     match (random.next_f32() * 20.0) as u32 {
@@ -83,7 +84,7 @@ fn direction(random: &mut TestRng) -> Vec3 {
     }
 }
 
-/// What lanes give, lane by lane.
+/// The results of the lanes, one by one.
 struct Answers {
     eval: [(Spectrum, f32); MAX_LANES],
     sample: [Option<BsdfSample>; MAX_LANES],
@@ -134,7 +135,7 @@ fn spectrum<S: Simd>(spectra: SpectrumLanes<Lanes<S>>, lane: usize) -> Spectrum 
     spectra.convert(|component| component.lane(lane)).into()
 }
 
-/// The materials of one kind as one scene would have them, and where they hit.
+/// The materials of one kind as in a scene, and their hits.
 struct Lane<'a> {
     material: &'a TestMaterial,
     surface: SurfaceInteraction,
@@ -159,7 +160,7 @@ fn lanes_give_the_bits_of_hits_alone() {
             let paths = Paths::random(&mut random);
             let lanes = paths.wi.map(|wi| {
                 let index = (random.next_f32() * materials.len() as f32) as usize;
-                // Now and then all are of one material, which may have ways of its own.
+                // Sometimes all lanes share one material, which may take a fast path.
                 let index = if round % 4 == 0 { round / 4 % materials.len() } else { index };
                 let material = &materials[index].1;
                 let uv = random.next_vec2() * 3.0;
@@ -177,7 +178,7 @@ fn lanes_give_the_bits_of_hits_alone() {
     }
 }
 
-/// Asserts that a lane holds what its hit has alone.
+/// Asserts that a lane equals its single hit.
 #[track_caller]
 fn assert_alone(answers: &Answers, index: usize, lane: &Lane<'_>, paths: &Paths, kind: LaneKind) {
     let bsdf = lane.material.bsdf_at(&lane.surface);

@@ -1,10 +1,10 @@
-//! The models of the clear sky and of the sun's disk by Hosek and Wilkie ("An Analytic Model for Full
-//! Spectral Sky-Dome Radiance", 2012; "Adding a Solar-Radiance Function to the Hošek–Wilkie Skylight
-//! Model", 2013), in linear Rec. 709.
+//! The models of the clear sky and of the sun's disk by Hosek and Wilkie ("An Analytic Model for
+//! Full Spectral Sky-Dome Radiance", 2012; "Adding a Solar-Radiance Function to the Hošek–Wilkie
+//! Skylight Model", 2013), in linear Rec. 709.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// The coefficients; `data/README.md` says where they are from.
+/// The coefficients; `data/README.md` gives their source.
 static DATA: &[u8] = include_bytes!("../../../data/hosek_wilkie_rgb.bin");
 
 const TURBIDITIES: usize = 10;
@@ -13,14 +13,14 @@ const SKY_PARAMETERS: usize = 9;
 const SEGMENTS: usize = 45;
 const ELEVATION_POWERS: usize = 4;
 const LIMB_POWERS: usize = 6;
-/// Where the tables begin, in numbers.
+/// Offsets of the tables, counted in numbers.
 const RADIANCE_START: usize = TURBIDITIES * 2 * CONTROL_POINTS * 3 * SKY_PARAMETERS;
 const SUN_START: usize = RADIANCE_START + TURBIDITIES * 2 * CONTROL_POINTS * 3;
 
-/// From the tables' units, in which the eye's sensitivity is summed over wavelengths, to those in which a
-/// spectrum of one is white: one over the integral of CIE Y, as Mitsuba rounds it.
+/// Converts the tables' units, which sum the eye's sensitivity over wavelengths, to units in which
+/// a spectrum of one is white. This is one over the integral of CIE Y, as Mitsuba rounds it.
 const LUMINANCE_UNIT: f64 = 1.0 / 106.750_259_399_414_06;
-/// The factor that the sun's table lacks (Mitsuba's `sunsky`).
+/// A factor missing from the sun's table (Mitsuba's `sunsky`).
 const SUN_UNIT: f64 = 467.069_280_386;
 
 fn number(index: usize) -> f64 {
@@ -28,7 +28,7 @@ fn number(index: usize) -> f64 {
     f64::from_le_bytes(bytes)
 }
 
-/// What the air and the ground are like, and how high the sun stands.
+/// The conditions of the atmosphere and the ground, and the sun's elevation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions {
     /// Turbidity, from 1 to 10.
@@ -39,7 +39,7 @@ pub(super) struct Conditions {
     pub(super) elevation: f64,
 }
 
-/// Two neighbours in a table, and the share of the second.
+/// Two neighbours in a table, and the weight of the second.
 fn neighbours(position: f64, count: usize) -> [(usize, f64); 2] {
     let position = position.clamp(0.0, (count - 1) as f64);
     let low = (position as usize).min(count - 2);
@@ -50,7 +50,7 @@ fn neighbours(position: f64, count: usize) -> [(usize, f64); 2] {
 /// The sky, for one position of the sun.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sky {
-    /// A to I for each colour.
+    /// The parameters A to I of each colour channel.
     parameters: [[f32; SKY_PARAMETERS]; 3],
     radiance: [f32; 3],
 }
@@ -79,13 +79,13 @@ impl Sky {
         }
     }
 
-    /// The radiance from a direction at `gamma` from the sun, whose cosine with the zenith is at least
-    /// zero. Where the model leaves the colours that the primaries can show it may be negative.
+    /// The radiance from a direction at the angle `gamma` from the sun. The cosine of its zenith
+    /// angle is not negative. The radiance may be negative for colours outside the gamut.
     pub(super) fn radiance(&self, cos_theta: f32, gamma: f32) -> [f32; 3] {
         let cos_gamma = gamma.cos();
         let squared = cos_gamma * cos_gamma;
         std::array::from_fn(|color| {
-            // Equation 8 of the paper; the parameter order is that of the data: H is last.
+            // Equation 8 of the paper; the data store H last.
             let [a, b, c, d, e, f, g, i, h] = self.parameters[color];
             let horizon = 1.0 + a * (b / (cos_theta + 0.01)).exp();
             let halo = (1.0 + squared) / (1.0 + h * h - 2.0 * h * cos_gamma).powf(1.5);
@@ -96,8 +96,8 @@ impl Sky {
     }
 }
 
-/// Linear in turbidity and albedo, and a Bézier curve of degree five over the cubic root of the sun's
-/// elevation.
+/// Interpolates linearly in turbidity and albedo, and with a quintic Bézier curve over the cube
+/// root of the sun's elevation.
 fn interpolate(
     conditions: &Conditions,
     color: usize,
@@ -119,7 +119,7 @@ fn interpolate(
     sum
 }
 
-/// The sun's disk for one turbidity: polynomials of elevation and of limb darkening.
+/// The sun's disk for one turbidity: polynomials in elevation and limb darkening.
 #[derive(Clone, Debug)]
 pub(super) struct Disk {
     coefficients: Vec<[[[f64; LIMB_POWERS]; ELEVATION_POWERS]; 3]>,
@@ -145,8 +145,8 @@ impl Disk {
         Self { coefficients: (0..SEGMENTS).map(segment).collect() }
     }
 
-    /// The radiance at an elevation, `limb` giving the powers of the cosine of the angle under which the
-    /// disk's surface is seen, from 1 in its middle to 0 at its rim. Not negative.
+    /// The radiance at an elevation. `limb` gives the powers of the cosine of the angle between the
+    /// line of sight and the sun's surface normal: 1 at the centre and 0 at the rim. Not negative.
     fn evaluate(&self, elevation: f64, limb: impl Fn(usize) -> f64) -> [f32; 3] {
         let elevation = elevation.clamp(0.0, FRAC_PI_2);
         let segment = (elevation * FRAC_2_PI).cbrt() * SEGMENTS as f64;
@@ -164,12 +164,12 @@ impl Disk {
         })
     }
 
-    /// The radiance where the cosine above is `cos_psi`.
+    /// The radiance where that cosine is `cos_psi`.
     pub(super) fn radiance(&self, elevation: f64, cos_psi: f64) -> [f32; 3] {
         self.evaluate(elevation, |power| cos_psi.powi(power as i32))
     }
 
-    /// The mean over the disk, seen at one elevation: that of cosⁿψ is 2 / (n + 2).
+    /// The mean over the disk at one elevation. The mean of cosⁿψ is 2 / (n + 2).
     pub(super) fn mean_radiance(&self, elevation: f64) -> [f32; 3] {
         self.evaluate(elevation, |power| 2.0 / (power as f64 + 2.0))
     }

@@ -1,21 +1,21 @@
-//! Where the sun stands, by time and place: Blanco-Muriel, Alarcón-Padilla, López-Moratalla and
+//! The sun's position by time and place: Blanco-Muriel, Alarcón-Padilla, López-Moratalla and
 //! Lara-Coira, "Computing the Solar Vector", Solar Energy 70 (5), 2001.
 
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A place on the ground.
+/// An observer's location.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Degrees north.
     pub(super) latitude: f64,
     /// Degrees east.
     pub(super) longitude: f64,
-    /// Hours ahead of universal time.
+    /// Offset from universal time in hours.
     pub(super) timezone: f64,
 }
 
-/// A moment, in the place's time zone.
+/// Local date and time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
     pub(super) year: i64,
@@ -26,16 +26,16 @@ pub(super) struct Moment {
     pub(super) second: f64,
 }
 
-/// The Earth's mean radius over its distance from the sun, both in kilometres.
+/// The Earth's mean radius over its distance from the sun.
 const PARALLAX: f64 = 6371.01 / 149_597_890.0;
 
 impl Moment {
-    /// Hours of the day in universal time; may lie outside of the day.
+    /// The hour in universal time; may lie outside the day.
     fn universal_hours(&self, timezone: f64) -> f64 {
         self.hour - timezone + (self.minute + self.second / 60.0) / 60.0
     }
 
-    /// Days since noon of the first of January 2000, universal time.
+    /// Days since noon on 1 January 2000, universal time.
     fn elapsed_days(&self, timezone: f64) -> f64 {
         let shifted = (self.month - 14) / 12;
         let julian_day = (1461 * (self.year + 4800 + shifted)) / 4
@@ -47,8 +47,8 @@ impl Moment {
     }
 }
 
-/// The unit direction towards the sun: z is up, and the rest as in Mitsuba's `sunsky`, whose azimuth
-/// counts from the south.
+/// The unit direction towards the sun. z is up; the azimuth counts from the south, as in Mitsuba's
+/// `sunsky`.
 pub(super) fn direction(moment: &Moment, place: &Place) -> DVec3 {
     let days = moment.elapsed_days(place.timezone);
     // Ecliptic coordinates.
@@ -82,8 +82,8 @@ pub(super) fn direction(moment: &Moment, place: &Place) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// Read from Mitsuba 3.9.1, which computes in single precision: a day since 2000 has steps of
-    /// 2⁻¹¹ days there, in which the sun moves by 0.003.
+    /// Values from Mitsuba 3.9.1. It counts the days since 2000 in single precision, whose steps of
+    /// 2⁻¹¹ days move the sun by 0.003.
     #[test]
     fn the_sun_stands_where_mitsuba_has_it() {
         let tokyo = Place { latitude: 35.6894, longitude: 139.6917, timezone: 9.0 };
@@ -101,8 +101,8 @@ mod tests {
         }
     }
 
-    /// In Greenwich at the equinox of 2024 (20 March, 3:06), the sun is highest near noon, in the south,
-    /// at 90° less the latitude.
+    /// In Greenwich at the equinox of 2024 (20 March, 3:06), the sun culminates in the south near
+    /// noon, at an elevation of 90° less the latitude.
     #[test]
     fn at_the_equinox_the_noon_sun_is_as_high_as_the_latitude_says() {
         let greenwich = Place { latitude: 51.48, longitude: 0.0, timezone: 0.0 };

@@ -1,4 +1,4 @@
-//! Light chosen for several paths at once, against light chosen for each alone: bit by bit.
+//! Light samples in lanes equal single light samples bit by bit.
 
 use super::*;
 use crate::emitter::Target;
@@ -18,8 +18,8 @@ const PANEL: &str = r#"<shape type="rectangle"><emitter type="area"><rgb name="r
 const SLANTED: &str = r#"<shape type="rectangle"><boolean name="flip_normals" value="true"/>
     <transform name="to_world"><scale x="0.3" y="2"/><rotate x="1" y="2" angle="37"/><translate x="3" y="-1" z="4"/></transform>
     <emitter type="area"><rgb name="radiance" value="0.1, 0.2, 0.3"/><float name="sampling_weight" value="3"/></emitter></shape>"#;
-/// Each of the other kinds of answer: to a point without a normal, to a curved surface, afar, from
-/// nowhere, textured.
+/// One emitter for each other kind of result: a point without a normal, a curved surface, infinity,
+/// none, textured.
 const OTHERS: &str = r#"
     <emitter type="point"><point name="position" x="1" y="2" z="3"/></emitter>
     <shape type="sphere"><point name="center" x="3" y="1" z="0"/><emitter type="area"/></shape>
@@ -30,7 +30,7 @@ const OTHERS: &str = r#"
         <emitter type="area"><texture type="checkerboard" name="radiance"/></emitter></shape>
     <shape type="cube"><emitter type="area"/></shape>"#;
 
-/// Glowing meshes: smooth; faceted, shining the other way; and of thousands of triangles.
+/// Emitting meshes: smooth; faceted and facing the other way; and with thousands of triangles.
 const MESHES: [&str; 3] = [
     r#"<shape type="obj"><string name="filename" value="roof.obj"/>
         <emitter type="area"><rgb name="radiance" value="2, 3, 4"/></emitter></shape>"#,
@@ -74,7 +74,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Where light is asked for, and with what random numbers.
+/// The points that light is sampled for, and their random numbers.
 #[derive(Clone, Copy)]
 struct Question {
     reference: Vec3,
@@ -83,8 +83,8 @@ struct Question {
     random: Vec2,
 }
 
-/// Questions of all sorts: anywhere, in the plane of the panel, on it, below it, close to it, far
-/// away, and beyond all numbers.
+/// Points of all kinds: anywhere, in the plane of the parallelogram, on it, below it, close to it,
+/// far away, and with infinite coordinates.
 fn questions(count: usize) -> Vec<Question> {
     let mut rng = TestRng::new(5);
     let number = |rng: &mut TestRng| rng.next_f32() * 2.0 - 1.0;
@@ -106,7 +106,7 @@ fn questions(count: usize) -> Vec<Question> {
             let random = match index % 7 {
                 0 => Vec2::new(0.0, 1.0 - f32::EPSILON / 2.0),
                 1 => Vec2::new(1.0 - f32::EPSILON / 2.0, 0.0),
-                // The middle of the panel, where it is the only light.
+                // The centre of the parallelogram, if it is the only light.
                 2 => Vec2::splat(0.5),
                 _ => Vec2::new(rng.next_f32(), rng.next_f32()),
             };
@@ -116,7 +116,7 @@ fn questions(count: usize) -> Vec<Question> {
         .collect()
 }
 
-/// What the lanes say, for each of them.
+/// The results of the lanes, one by one.
 struct Answer {
     light: Option<DirectionSample>,
     shadow_ray: etendue_math::Ray,
@@ -180,7 +180,7 @@ fn answer<S: Simd>(light: &LightLanes<Lanes<S>>, rays: &RayLanes<Lanes<S>>, lane
     Answer { light: exists.then_some(sample), shadow_ray: rays.lane(lane) }
 }
 
-/// All bits of light and of the ray that must be free.
+/// All bits of the light and of the shadow ray.
 fn bits(light: &DirectionSample, ray: &etendue_math::Ray) -> Vec<u32> {
     let mut numbers = vec![light.pdf, ray.t_max, f32::from(u8::from(light.delta))];
     numbers.extend((0..Spectrum::LANES).map(|component| light.radiance[component]));
