@@ -41,9 +41,9 @@
 //! 3. [`RenderJob::new`] chooses a camera and a budget.
 //! 4. [`RenderJob::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
 //!    [`Rendering`].
-//! 5. Or, to keep what is done: [`RenderJob::new_film`] or [`SumsFile::read`], [`RenderJob::render_into`],
-//!    [`SumsFile::write`] from another thread meanwhile, [`RenderJob::develop`]. Parts of a picture that
-//!    were rendered apart are put together by [`merge::merge`].
+//! 5. Or, to save progress: [`RenderJob::train`], [`RenderJob::new_film`] or [`SumsFile::read`],
+//!    [`RenderJob::render_into`], [`SumsFile::write`] from another thread meanwhile, and
+//!    [`RenderJob::develop`]. [`merge::merge`] combines parts of a picture that were rendered apart.
 //! 6. [`image::encode`] makes a file's bytes of its picture.
 //!
 //! # Parts

@@ -195,6 +195,25 @@ impl RenderJob {
         Ok(FilmSums::new(&self.job, &self.camera, workers.thread_count())?)
     }
 
+    /// Trains the integrator, where it learns before the picture's first sample. Call this before
+    /// [`Self::render_into`]; [`Self::render`] does so itself. Every part of a picture and every resumed
+    /// run learns the same, bit for bit.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Engine`] if `cancel` stopped the training.
+    pub fn train(&mut self, workers: &Workers, cancel: &Cancel) -> Result<(), Error> {
+        if let Some(integrator) = self.camera.train(workers, cancel)? {
+            self.camera = Camera::new(
+                Arc::clone(&self.scene.scene),
+                self.camera.setup().clone(),
+                *self.camera.sampler(),
+                integrator.into(),
+            );
+        }
+        Ok(())
+    }
+
     /// Adds samples to sums, which may hold some of an earlier run, until the budget is spent or
     /// `cancel` says stop.
     ///
@@ -217,17 +236,19 @@ impl RenderJob {
         Rendering::new(film, statistics, &self.development(), seconds)
     }
 
-    /// Renders until the budget is spent or `cancel` says stop.
+    /// Trains the integrator if there is anything to learn, and renders until the budget is spent or
+    /// `cancel` says stop.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if it cannot be started.
+    /// [`Error::Engine`] if it cannot be started, or was stopped during training.
     pub fn render(
-        &self,
+        mut self,
         workers: &Workers,
         observer: &dyn Observer,
         cancel: &Cancel,
     ) -> Result<Rendering, Error> {
+        self.train(workers, cancel)?;
         let film = self.new_film(workers)?;
         let statistics = self.render_into(&film, workers, observer, cancel)?;
         let seconds = statistics.duration.as_secs_f64();

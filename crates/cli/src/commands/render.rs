@@ -146,7 +146,8 @@ impl Host<'_> {
         };
         let planned = header.as_ref().map(|header| header.record.planned_samples);
         let job = RenderJob::new(loaded_scene, &options(arguments, planned));
-        let job = job.map_err(|error| failure(path, error))?;
+        let mut job = job.map_err(|error| failure(path, error))?;
+        job.train(self.workers, self.signals.cancel()).map_err(|error| failure(path, error))?;
         if let Some(id) = arguments.replay {
             replay::show(&job, id)?;
             return Ok(Status::Success);
