@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: measurements beside a peer, in the same run on the same machine.
+//! `cargo xtask bench`: measures Etendue and a peer in the same run on the same machine.
 
 mod embree;
 mod generated;
@@ -30,11 +30,11 @@ enum Command {
     Rays(rays::Arguments),
     /// Rate and memory by the number of triangles and of instances
     Scale(scale::Arguments),
-    /// Two threads beside two renders of one thread each
+    /// Two threads compared with two renders of one thread each
     Threads(threads::Arguments),
 }
 
-/// Renders beside a peer.
+/// Compares renders with a peer.
 #[derive(Debug, Parser)]
 struct Arguments {
     /// The renderer to compare with
@@ -43,7 +43,7 @@ struct Arguments {
     /// The folder with `testcases` (the scenes) and `mitsuba3` (their copies for Mitsuba 3)
     #[arg(long, value_name = "FOLDER", default_value = "../shared/seed-scenes")]
     scenes: PathBuf,
-    /// The scenes of these names only
+    /// Only the scenes with these names
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
     /// Threads of both renderers
@@ -129,23 +129,23 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     keep::finish("render", &figures, &arguments.keeping)
 }
 
-/// What a renderer shows of a scene in one round.
+/// A renderer's result for a scene in one round.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
     /// Millions of samples per second.
     rate: f64,
-    /// Until the first sample; for Etendue also what it takes to start the process.
+    /// Seconds until the first sample; for Etendue this includes the start of the process.
     load_seconds: f64,
     /// The peak memory of the process.
     peak_megabytes: f64,
 }
 
-/// One of the measures of all rounds.
+/// One measure of all rounds.
 fn column(rounds: &[Measured], measure: impl Fn(&Measured) -> f64) -> Vec<f64> {
     rounds.iter().map(measure).collect()
 }
 
-/// A line of the table of whole renders.
+/// A row of the table of whole renders.
 fn print_measured(name: &str, own: &[Measured], theirs: &[Measured]) {
     let measures: [fn(&Measured) -> f64; 3] =
         [|round| round.rate, |round| round.load_seconds, |round| round.peak_megabytes];
@@ -163,7 +163,7 @@ fn print_measured(name: &str, own: &[Measured], theirs: &[Measured]) {
     );
 }
 
-/// The rate is that of the difference of two runs, so that start-up and loading drop out.
+/// The rate comes from the difference of two runs, so that start-up and loading cancel.
 fn measure(scene: &Scene, folder: &Path, threads: u32) -> Result<Measured, String> {
     let path = folder.join("testcases").join(scene.path);
     let render = |samples: u32| {
@@ -179,7 +179,7 @@ fn measure(scene: &Scene, folder: &Path, threads: u32) -> Result<Measured, Strin
     })
 }
 
-/// The median, which is the upper of two middle values; `None` without any values.
+/// The median, the upper of two middle values; `None` without values.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()

@@ -1,4 +1,4 @@
-//! `cargo xtask ci [--quick]`: everything that a change must pass.
+//! `cargo xtask ci [--quick]`: all checks that a change must pass.
 
 use std::process::Command;
 use std::time::Instant;
@@ -6,11 +6,11 @@ use std::time::Instant;
 use crate::workspace::{cargo, has_subcommand};
 use crate::{deps, etendue, generate, links, package};
 
-/// How a step ended.
+/// The result of a step.
 enum Outcome {
     Passed,
     Failed,
-    /// Not run, for this reason.
+    /// Skipped, for this reason.
     Skipped(&'static str),
 }
 
@@ -18,11 +18,11 @@ enum Outcome {
 struct Step {
     name: &'static str,
     run: fn() -> Outcome,
-    /// Whether `--quick` leaves it out.
+    /// Whether `--quick` skips it.
     is_slow: bool,
 }
 
-/// The checks, the quick ones first.
+/// The checks, quick ones first.
 const STEPS: &[Step] = &[
     step("format", format),
     step("dependency edges", || passed(deps::run(&[]))),
@@ -45,7 +45,7 @@ const fn slow_step(name: &'static str, run: fn() -> Outcome) -> Step {
     Step { name, run, is_slow: true }
 }
 
-/// Runs every step, also after one has failed, and counts.
+/// Runs every step, even after a failure, and counts the results.
 pub(crate) fn run(arguments: &[String]) -> bool {
     let is_quick = match arguments {
         [] => false,
@@ -99,20 +99,20 @@ fn lints() -> Outcome {
     succeeds(cargo().args(arguments))
 }
 
-/// All but the slow tests; the examples are compiled, too.
+/// All but the slow tests; examples are compiled too.
 fn tests() -> Outcome {
     succeeds(cargo().args(["test", "--workspace", "--quiet", "--no-fail-fast"]))
 }
 
-/// The tests that `cargo test` reports as ignored, on the optimised command. They name what they
-/// leave out: what needs files or programs that are not there.
+/// The tests marked `#[ignore]`, with the optimised command. They report what they skip because
+/// files or programs are missing.
 fn slow_tests() -> Outcome {
     if !etendue::build() {
         return Outcome::Failed;
     }
     let mut command = cargo();
     command.args(["test", "--workspace", "--tests", "--no-fail-fast", "--", "--ignored"]);
-    // One at a time: a render has all threads to itself.
+    // One at a time, because a render uses all threads.
     command.arg("--test-threads=1");
     succeeds(command.env("ETENDUE", etendue::path()))
 }
@@ -123,7 +123,7 @@ fn documentation() -> Outcome {
     succeeds(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// The reference pages; the tests check the scenes' files.
+/// Checks the reference pages; the tests check the scenes' files.
 fn generated_files() -> Outcome {
     passed(generate::docs(&["--check".to_owned()]))
 }

@@ -1,17 +1,17 @@
-//! `cargo xtask deps`: no crate may use another that its row does not name.
+//! `cargo xtask deps`: checks that a crate uses only the crates that its row lists.
 
 use serde_json::Value;
 
 use crate::workspace::cargo;
 
-/// What a crate of the workspace may use, in the code itself and beyond that in its tests.
+/// The workspace crates that a crate may use in its code, and additionally in its tests.
 struct Row {
     name: &'static str,
     uses: &'static [&'static str],
     tests_use: &'static [&'static str],
 }
 
-/// The layers, lowest first. A row names only rows above it; tests may look anywhere.
+/// The layers, lowest first. A row names only rows above it; tests may use any crate.
 const TABLE: &[Row] = &[
     Row { name: "etendue-math", uses: &[], tests_use: &["etendue-testkit"] },
     Row { name: "etendue-testkit", uses: &["etendue-math"], tests_use: &[] },
@@ -77,7 +77,7 @@ const TABLE: &[Row] = &[
     Row { name: "xtask-generate", uses: &["etendue"], tests_use: &[] },
 ];
 
-/// Everything that knows no scene.
+/// The crates that do not depend on the scene.
 const LAYERS_0_AND_1: &[&str] = &[
     "etendue-math",
     "etendue-sampling",
@@ -88,7 +88,7 @@ const LAYERS_0_AND_1: &[&str] = &[
     "etendue-document",
 ];
 
-/// A dependency of one crate of the workspace on another.
+/// A dependency between two crates of the workspace.
 #[derive(Debug, PartialEq, Eq)]
 struct Edge {
     from: String,

@@ -1,5 +1,5 @@
-//! The commands that need the renderer: a program of their own (`xtask-generate`), so that
-//! `cargo xtask ci` starts without compiling it.
+//! The commands that need the renderer. They live in a separate program (`xtask-generate`), so that
+//! `cargo xtask ci` starts without compiling the renderer.
 
 use crate::workspace::cargo;
 
@@ -8,7 +8,7 @@ pub(crate) fn assets(arguments: &[String]) -> bool {
     run("assets", arguments)
 }
 
-/// `cargo xtask bits`: two binaries beside each other.
+/// `cargo xtask bits`: the comparison of two binaries.
 pub(crate) fn bits(arguments: &[String]) -> bool {
     run("bits", arguments)
 }

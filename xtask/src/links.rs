@@ -1,4 +1,4 @@
-//! `cargo xtask links`: relative links in Markdown files lead to files that exist.
+//! `cargo xtask links`: checks that relative links in Markdown files lead to existing files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,8 +39,9 @@ fn markdown_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The targets of relative links with their lines, from 1: `[text](target)`, `![text](target)`,
-/// `src="target"`, `href="target"`. Code blocks are skipped, and anchors cut off.
+/// The targets of relative links with their line numbers, from 1: `[text](target)`,
+/// `![text](target)`, `src="target"`, `href="target"`. Code blocks are skipped, and anchors
+/// removed.
 fn relative_links(text: &str) -> Vec<(usize, String)> {
     let mut links = Vec::new();
     let mut is_code = false;
@@ -48,7 +49,7 @@ fn relative_links(text: &str) -> Vec<(usize, String)> {
         if line.trim_start().starts_with("```") {
             is_code = !is_code;
         }
-        // An indented line is code, too, or a list's text: links in it are checked all the same.
+        // An indented line is either code or a list item's text, so its links are checked too.
         if !is_code {
             let found = LINK_STARTS.iter().flat_map(|&(start, end)| targets(line, start, end));
             links.extend(found.map(|target| (index + 1, target)));
@@ -57,7 +58,7 @@ fn relative_links(text: &str) -> Vec<(usize, String)> {
     links
 }
 
-/// What a link's target stands between.
+/// The delimiters of a link target.
 const LINK_STARTS: [(&str, char); 3] = [("](", ')'), ("src=\"", '"'), ("href=\"", '"')];
 
 fn targets(line: &str, start: &str, end: char) -> Vec<String> {

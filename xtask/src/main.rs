@@ -1,4 +1,4 @@
-//! Developer commands: `cargo xtask ci` is the gate that every change passes.
+//! Developer commands: every change must pass `cargo xtask ci`.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::disallowed_methods,
@@ -21,7 +21,7 @@ use std::process::ExitCode;
 struct Task {
     name: &'static str,
     about: &'static str,
-    /// Takes the arguments after the name; returns whether it succeeded.
+    /// Takes the arguments after the command's name; returns whether it succeeded.
     run: fn(&[String]) -> bool,
 }
 

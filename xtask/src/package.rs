@@ -1,5 +1,5 @@
-//! `cargo xtask package`: every crate that is published has what a registry shows, can be
-//! published in order, and compiles from what is in its package.
+//! `cargo xtask package`: checks that every published crate has the metadata that a registry shows,
+//! can be published in order, and compiles from its package.
 
 use std::fmt::Write;
 use std::fs;
@@ -10,11 +10,12 @@ use serde_json::Value;
 
 use crate::workspace::{cargo, root};
 
-/// What every manifest must give; the registry accepts fewer.
+/// The fields that every manifest must have; the registry requires fewer.
 const FIELDS: &[&str] =
     &["description", "readme", "keywords", "categories", "license", "repository", "rust_version"];
 
-/// What every package must hold besides its code. The lock file is for `cargo install --locked`.
+/// The files that every package must hold besides its code. The lock file is for `cargo install
+/// --locked`.
 const FILES: &[&str] = &["Cargo.lock", "README.md", "LICENSE-MIT", "LICENSE-APACHE"];
 
 /// A crate that is published.
@@ -25,13 +26,13 @@ struct Package {
 }
 
 impl Package {
-    /// The name of the package's folder, and of its archive up to the extension.
+    /// The name of the package's folder and, without the extension, of its archive.
     fn stem(&self) -> String {
         format!("{}-{}", self.name, self.version)
     }
 }
 
-/// Runs all checks in order; the first that fails ends the command.
+/// Runs all checks in order; stops at the first failure.
 pub(crate) fn run(_arguments: &[String]) -> bool {
     match check() {
         Ok(package_count) => {
@@ -49,11 +50,11 @@ fn check() -> Result<usize, String> {
     let packages = published_packages(&read_metadata()?);
     check_fields(&packages)?;
 
-    // Packed files, missing versions and the order of dependencies, without compiling.
+    // Checks packed files, missing versions and the order of dependencies, without compiling.
     let dry_run = ["publish", "--workspace", "--dry-run", "--no-verify", "--allow-dirty"];
     succeed(cargo().args(dry_run).arg("--quiet"))?;
 
-    // Cargo would compile every package with its dependencies on its own. One workspace of all
+    // Cargo would compile every package separately with its dependencies. One workspace of all
     // unpacked packages compiles each of them once.
     let folder = root().join("target").join("packaged");
     unpack(&packages, &folder)?;
@@ -108,7 +109,7 @@ fn check_fields(packages: &[Package]) -> Result<(), String> {
 }
 
 /// Packs the crates and unpacks the archives into an empty `folder`. Compiled dependencies of
-/// earlier runs stay.
+/// earlier runs are kept.
 fn unpack(packages: &[Package], folder: &Path) -> Result<(), String> {
     let mut pack = cargo();
     pack.args(["package", "--no-verify", "--allow-dirty", "--quiet"]);
@@ -139,7 +140,7 @@ fn check_files(packages: &[Package], folder: &Path) -> Result<(), String> {
     if missing.is_empty() { Ok(()) } else { Err(format!("missing in packages: {missing:?}")) }
 }
 
-/// Makes a workspace of the unpacked packages, with the versions of this repository's lock file.
+/// Creates a workspace of the unpacked packages, with the versions of this repository's lock file.
 fn write_workspace(packages: &[Package], folder: &Path) -> Result<(), String> {
     let manifest = folder.join("Cargo.toml");
     fs::write(&manifest, workspace_manifest(packages))
@@ -149,7 +150,7 @@ fn write_workspace(packages: &[Package], folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Dependencies between the packages name versions; the patch leads them to the folders.
+/// Dependencies between the packages name versions; the patch redirects them to the folders.
 fn workspace_manifest(packages: &[Package]) -> String {
     let members: Vec<String> =
         packages.iter().map(|package| format!("{:?}", package.stem())).collect();

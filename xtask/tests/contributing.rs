@@ -1,8 +1,8 @@
-//! The walk through `CONTRIBUTING.md`: its code is applied to a copy of the repository, and its commands
-//! are run there, so that the page stays true.
+//! Follows `CONTRIBUTING.md`: applies its code to a copy of the repository and runs its commands
+//! there, so that the page stays correct.
 //!
-//! A fenced block says in its info string what it is: `rust file=PATH` (or another language) is a new
-//! file, `diff file=PATH` adds lines to one that is there, and `sh run` are commands.
+//! The info string of a fenced block states its purpose: `rust file=PATH` (or another language) is
+//! a new file, `diff file=PATH` adds lines to an existing one, and `sh run` holds commands.
 #![allow(clippy::disallowed_methods, reason = "the test writes and runs a copy of the repository")]
 
 use std::fs;
@@ -14,9 +14,9 @@ use std::process::Command;
 enum Block {
     /// A new file.
     File { path: String, text: String },
-    /// Lines that are added to a file.
+    /// Lines to add to a file.
     Diff { path: String, text: String },
-    /// Commands, one a line.
+    /// Commands, one per line.
     Run(String),
 }
 
@@ -24,7 +24,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace").into()
 }
 
-/// The blocks of a page that have an instruction, in their order.
+/// The blocks of a page that have an instruction, in order.
 fn blocks(page: &str) -> Vec<Block> {
     let mut blocks = Vec::new();
     let mut lines = page.lines();
@@ -46,8 +46,8 @@ fn blocks(page: &str) -> Vec<Block> {
     blocks
 }
 
-/// Adds the lines of a diff to a text, in which the other lines of the diff stand one after the other
-/// in one place.
+/// Adds the lines of a diff to a text. The diff's context lines must appear consecutively in
+/// exactly one place.
 fn patched(text: &str, diff: &str) -> Result<String, String> {
     let lines: Vec<&str> = text.lines().collect();
     let is_added = |line: &&str| line.starts_with('+');
@@ -66,14 +66,14 @@ fn patched(text: &str, diff: &str) -> Result<String, String> {
     Ok(all.join("\n") + "\n")
 }
 
-/// Copies what git tracks, with the times of the files: what has not changed is not compiled again.
+/// Copies the files that git tracks, with their times, so that unchanged files are not recompiled.
 fn copy_repository(folder: &Path) {
     let listing = Command::new("git").args(["ls-files", "-z"]).current_dir(root()).output();
     let listing = listing.expect("git lists the files").stdout;
     for name in listing.split(|&byte| byte == 0).filter(|name| !name.is_empty()) {
         let name = std::str::from_utf8(name).expect("a name in UTF-8");
         let (from, to) = (root().join(name), folder.join(name));
-        // A file that was removed and not committed yet is still listed.
+        // A deleted but uncommitted file is still listed.
         let Ok(metadata) = fs::metadata(&from) else { continue };
         fs::create_dir_all(to.parent().expect("a file in a folder")).expect("a folder");
         fs::copy(&from, &to).expect("a copy");

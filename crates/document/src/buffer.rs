@@ -6,11 +6,11 @@ use std::sync::{Arc, OnceLock};
 use half::f16;
 use xxhash_rust::xxh3::Xxh3;
 
-/// The elements of a [`Buffer`], in memory that its owner keeps.
+/// The elements of a [`Buffer`], in memory owned by the host.
 ///
-/// A host implements this for memory of its own, such as a NumPy array, and nothing is copied. The
-/// elements must not change while a buffer refers to them: scenes are built from several threads, and
-/// the hash of the elements is computed once.
+/// A host implements this for its own memory, such as a NumPy array; nothing is copied. The
+/// elements must not change while a buffer refers to them: several threads build a scene, and the
+/// hash of the elements is computed once.
 pub trait BufferData: Send + Sync + 'static {
     /// The elements in row-major order, without gaps.
     fn elements(&self) -> Elements<'_>;
@@ -39,7 +39,7 @@ pub enum Elements<'a> {
     F64(&'a [f64]),
 }
 
-/// Runs an expression on the slice of whatever element type there is.
+/// Evaluates an expression with the slice of the actual element type.
 macro_rules! for_any_type {
     ($elements:expr, $slice:ident => $result:expr) => {
         match $elements {
@@ -57,12 +57,12 @@ macro_rules! for_any_type {
 }
 
 impl Elements<'_> {
-    /// How many elements there are.
+    /// The number of elements.
     pub fn len(&self) -> usize {
         for_any_type!(self, slice => slice.len())
     }
 
-    /// Whether there are none.
+    /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -83,7 +83,7 @@ impl Elements<'_> {
     }
 }
 
-/// A shared array of any number of dimensions. A clone refers to the same elements.
+/// A shared array with any number of dimensions. A clone refers to the same elements.
 #[derive(Clone)]
 pub struct Buffer(Arc<Shared>);
 
@@ -93,7 +93,7 @@ struct Shared {
     hash: OnceLock<u128>,
 }
 
-/// The elements of an array are not as many as its shape says.
+/// The number of elements does not match the shape.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShapeError {
     /// The dimensions.
@@ -112,7 +112,7 @@ impl fmt::Display for ShapeError {
 impl std::error::Error for ShapeError {}
 
 impl Buffer {
-    /// A buffer with the given dimensions, the slowest first: rows before columns.
+    /// A buffer with the given dimensions, slowest first: rows before columns.
     ///
     /// # Errors
     ///
@@ -135,13 +135,13 @@ impl Buffer {
         self.0.data.elements()
     }
 
-    /// The dimensions, the slowest first.
+    /// The dimensions, slowest first.
     pub fn shape(&self) -> &[usize] {
         &self.0.shape
     }
 
-    /// How many rows of `columns` elements there are, in a buffer of the shape `[rows, columns]` or in
-    /// a flat one; `None` for any other shape.
+    /// The number of rows of `columns` elements, in a buffer of shape `[rows, columns]` or in a
+    /// flat one; `None` for any other shape.
     pub fn rows(&self, columns: usize) -> Option<usize> {
         match *self.shape() {
             [rows, found] if found == columns => Some(rows),
@@ -150,7 +150,7 @@ impl Buffer {
         }
     }
 
-    /// The elements in single precision, where they are floats.
+    /// The elements in single precision, if they are floats.
     pub fn to_floats(&self) -> Option<Vec<f32>> {
         match self.elements() {
             Elements::F16(values) => Some(values.iter().map(|value| value.to_f32()).collect()),
@@ -160,7 +160,8 @@ impl Buffer {
         }
     }
 
-    /// The same, where unsigned integers of 8 and 16 bits stand for fractions of their largest value.
+    /// Like [`Self::to_floats`], but 8-bit and 16-bit unsigned integers become fractions of their
+    /// maximum.
     pub fn to_fractions(&self) -> Option<Vec<f32>> {
         match self.elements() {
             Elements::U8(values) => Some(values.iter().map(|v| f32::from(*v) / 255.0).collect()),
@@ -169,11 +170,11 @@ impl Buffer {
         }
     }
 
-    /// The elements as indices, where they are integers.
+    /// The elements as indices, if they are integers.
     ///
     /// # Errors
     ///
-    /// The first element that no index of 32 bits can hold.
+    /// The first element that does not fit in 32 bits unsigned.
     pub fn to_indices(&self) -> Option<Result<Vec<u32>, i128>> {
         fn convert<T: Copy + Into<i128>>(values: &[T]) -> Result<Vec<u32>, i128> {
             let index = |value: &T| u32::try_from((*value).into()).map_err(|_| (*value).into());
@@ -190,8 +191,9 @@ impl Buffer {
         }
     }
 
-    /// A hash of type, shape and elements. It is computed once for all clones: building a scene again
-    /// after an edit must not read large arrays again. Chance cannot make two buffers agree.
+    /// A hash of type, shape and elements. It is computed once for all clones, because rebuilding a
+    /// scene after an edit must not read large arrays again. It is strong enough to rule out
+    /// collisions.
     pub fn content_hash(&self) -> u128 {
         *self.0.hash.get_or_init(|| {
             let mut hasher = Xxh3::new();
@@ -203,11 +205,11 @@ impl Buffer {
     }
 }
 
-/// Elements that are converted to bytes at a time.
+/// The number of elements that are converted to bytes at a time.
 const CHUNK: usize = 1024;
 
 impl Elements<'_> {
-    /// Hands on the elements as little-endian bytes.
+    /// Passes on the elements as little-endian bytes.
     fn for_each_chunk(&self, mut take: impl FnMut(&[u8])) {
         for_any_type!(self, slice => {
             let mut bytes = Vec::with_capacity(8 * CHUNK);
@@ -220,8 +222,7 @@ impl Elements<'_> {
     }
 }
 
-/// Clones are equal without a look at their elements; so are buffers of equal content, which their
-/// hashes tell.
+/// Clones compare equal without reading their elements; other buffers compare by hash.
 impl PartialEq for Buffer {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
@@ -235,7 +236,7 @@ impl fmt::Debug for Buffer {
     }
 }
 
-/// Makes vectors of an element type, and of rows of it, usable as buffers.
+/// Makes vectors of an element type, and of rows of it, convertible to buffers.
 macro_rules! buffers_of {
     ($($element:ty => $variant:ident),+) => {$(
         impl BufferData for Vec<$element> {
@@ -320,7 +321,7 @@ mod tests {
         assert_eq!(half.to_floats(), Some(vec![0.5]));
     }
 
-    /// Memory that belongs to somebody else.
+    /// Memory owned by another component.
     struct Foreign(Arc<[f64]>);
 
     impl BufferData for Foreign {

@@ -1,4 +1,5 @@
-//! Nodes and ids while a document is made, and the checks that every document passes.
+//! Collects nodes and ids of a document under construction, and makes the checks that every
+//! document passes.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -13,7 +14,7 @@ use crate::resolver::Resolver;
 use crate::source::Sources;
 use crate::span::{NodeId, Span};
 
-/// What an id stands for.
+/// What an id refers to.
 #[derive(Clone, Debug)]
 pub enum Target {
     /// An object.
@@ -24,36 +25,36 @@ pub enum Target {
     Broken,
 }
 
-/// A child that is named by its id, until [`DocumentBuilder::finish`].
+/// A child given by its id, unresolved until [`DocumentBuilder::finish`].
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// The node that has the child.
     pub parent: NodeId,
     /// The id.
     pub id: Name,
-    /// The place of the id.
+    /// The span of the id.
     pub span: Span,
     /// The position among the parent's children.
     child: usize,
 }
 
-/// An id with its place.
+/// An id with its span.
 #[derive(Clone, Debug)]
 struct Named {
     target: Target,
     span: Span,
 }
 
-/// Near ids are sought for this many unknown ones, unless there are too many ids to compare
-/// with: the time grows with the product of both numbers.
+/// Similar ids are suggested for at most this many unknown ones, and only if there are few enough
+/// ids to compare: the time grows with the product of both numbers.
 const SUGGESTED: usize = 20;
 const COMPARED_IDS: usize = 200_000;
 
-/// An alias may stand for an alias, but hardly for a long chain of them.
+/// An alias may refer to an alias, but long chains are not plausible.
 const ALIAS_LIMIT: usize = 8;
 
-/// Collects the nodes of a document. Readers of every format use it, so that ids, references and
-/// limits work the same for all of them; it reports what is wrong, and never panics.
+/// Collects the nodes of a document. Readers of all formats use it, so that ids, references and
+/// limits work the same everywhere. It reports errors and never panics.
 #[derive(Debug)]
 pub struct DocumentBuilder<'a> {
     limits: DocumentLimits,
@@ -66,7 +67,7 @@ pub struct DocumentBuilder<'a> {
 }
 
 impl<'a> DocumentBuilder<'a> {
-    /// Nothing yet. Findings go to `diagnostics`.
+    /// An empty builder. Findings go to `diagnostics`.
     pub fn new(limits: DocumentLimits, diagnostics: &'a Diagnostics) -> Self {
         Self {
             limits,
@@ -79,20 +80,19 @@ impl<'a> DocumentBuilder<'a> {
         }
     }
 
-    /// The shared form of a name.
+    /// Interns a name.
     pub fn name(&mut self, word: &str) -> Name {
         self.names.name(word)
     }
 
-    /// Makes room for nodes ahead. Unused room costs nothing, but a growing vector leaves holes in
-    /// memory that nothing else fits into.
+    /// Reserves room for nodes. Unused room costs nothing, but a growing vector fragments memory.
     pub fn reserve(&mut self, count: usize) {
         let room = self.limits.nodes.saturating_sub(self.nodes.len());
         self.nodes.reserve(count.min(room));
     }
 
-    /// Adds a node, which is nobody's child yet; `None` after reporting that there are too many. The
-    /// first one is the root.
+    /// Adds a node without a parent; `None` after reporting that there are too many. The first node
+    /// is the root.
     pub fn push(&mut self, node: FlatNode) -> Option<NodeId> {
         if self.nodes.len() >= self.limits.nodes.max(1) {
             let message = format!("more than {} objects", self.limits.nodes);
@@ -108,16 +108,16 @@ impl<'a> DocumentBuilder<'a> {
         &self.nodes
     }
 
-    /// A node that has been added.
+    /// A node added earlier.
     ///
     /// # Panics
     ///
-    /// If it has not.
+    /// If there is no such node.
     pub fn node_mut(&mut self, id: NodeId) -> &mut FlatNode {
         &mut self.nodes[id.index()]
     }
 
-    /// Gives something an id; reports an id that is taken.
+    /// Assigns an id; reports duplicates.
     pub fn define(&mut self, id: Name, target: Target, span: Span) {
         if let Some(earlier) = self.ids.get(&id) {
             let message = format!("the id `{id}` is given twice");
@@ -130,8 +130,8 @@ impl<'a> DocumentBuilder<'a> {
         self.ids.insert(id, Named { target, span });
     }
 
-    /// Adds a child that is defined elsewhere, before or after: the child's role and place, and the id
-    /// and its place.
+    /// Adds a child that is defined elsewhere, before or after: the child's role and span, and the
+    /// id and its span.
     pub fn refer(&mut self, parent: NodeId, role: (Option<Name>, Span), id: (&str, Span)) {
         let ((name, span), (id, id_span)) = (role, id);
         let known = self.known_shape(id);
@@ -144,8 +144,8 @@ impl<'a> DocumentBuilder<'a> {
         }
     }
 
-    /// The shape of an id that has been defined already, for which no reference need be kept. (Shapes
-    /// alone: readers may redirect references to a material once everything is known.)
+    /// The shape of an id that is already defined, for which no reference needs to be kept. (Only
+    /// shapes: readers may redirect references to a material once everything is known.)
     fn known_shape(&self, id: &str) -> Option<NodeId> {
         match self.ids.get(id)?.target {
             Target::Node(node) if self.nodes[node.index()].class == Class::Shape => Some(node),
@@ -153,12 +153,12 @@ impl<'a> DocumentBuilder<'a> {
         }
     }
 
-    /// Remembers that a child of a node could not be read, which has been reported.
+    /// Records that a child of a node could not be read, which has been reported.
     pub fn mark_incomplete(&mut self, node: NodeId) {
         self.incomplete.insert(node);
     }
 
-    /// Resolves all references. In the document, children form a graph without cycles, of bounded
+    /// Resolves all references. In the finished document, children form an acyclic graph of bounded
     /// depth and size.
     ///
     /// # Panics
@@ -168,7 +168,8 @@ impl<'a> DocumentBuilder<'a> {
         self.finish_with(sources, resolver, |node, _| node)
     }
 
-    /// The same, where `redirect` may choose another node for a reference than the one its id names.
+    /// Like [`Self::finish`], but `redirect` may choose another node for a reference than the one
+    /// its id names.
     ///
     /// # Panics
     ///
@@ -196,7 +197,7 @@ impl<'a> DocumentBuilder<'a> {
         Document { nodes, root: NodeId(0), incomplete, sources, resolver }
     }
 
-    /// The object that an id stands for at the end of its aliases, if there is one.
+    /// The object that an id refers to after following all aliases, if there is one.
     fn follow(&self, id: &str) -> Option<NodeId> {
         let mut target = &self.ids.get(id)?.target;
         for _ in 0..=ALIAS_LIMIT {
@@ -209,7 +210,7 @@ impl<'a> DocumentBuilder<'a> {
         None
     }
 
-    /// Reports aliases that lead to nothing.
+    /// Reports aliases that refer to nothing.
     fn check_aliases(&self) {
         for named in self.ids.values() {
             let Target::Alias(id) = &named.target else {

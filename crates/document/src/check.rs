@@ -1,9 +1,9 @@
-//! Whether values can be used, whatever text or code they come from.
+//! Checks whether values are usable, whether they come from text or from code.
 
 use crate::transform::transform_problem;
 use crate::value::{SpectrumValue, Value};
 
-/// Why a value cannot be used, if it cannot: the checks that readers of text make while they read.
+/// Why a value is unusable, if it is: the same checks that text readers make while reading.
 pub(crate) fn value_problem(name: &str, value: &Value) -> Option<String> {
     let is_finite = match value {
         Value::Boolean(_) | Value::Integer(_) | Value::String(_) | Value::Buffer(_) => true,
@@ -17,7 +17,7 @@ pub(crate) fn value_problem(name: &str, value: &Value) -> Option<String> {
             temperature.is_finite() && scale.is_finite()
         }
         Value::Spectrum(spectrum) => return spectrum_problem(name, spectrum),
-        // A matrix that is not affine has become NaN on its way here.
+        // A matrix that is not affine has been turned into NaN before.
         Value::Transform(affine) if !affine.is_finite() => {
             return Some(format!("`{name}` must be an affine transform of finite numbers"));
         }

@@ -1,20 +1,20 @@
-//! What kinds of objects a scene is made of.
+//! The kinds of objects in a scene.
 
-/// What a node is, whatever its plugin: the name of its element.
+/// The class of a node, independent of its plugin: the name of its element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Class {
     /// The root.
     Scene,
-    /// How light is computed.
+    /// A light transport algorithm.
     Integrator,
     /// A camera.
     Sensor,
-    /// What the camera's image is kept on.
+    /// What records the camera's image.
     Film,
-    /// Where random numbers come from.
+    /// A source of random numbers.
     Sampler,
-    /// The pixel filter.
+    /// A pixel filter.
     ReconstructionFilter,
     /// A surface.
     Shape,
@@ -36,7 +36,7 @@ pub enum Class {
     Curve,
 }
 
-/// How many classes there are.
+/// The number of classes.
 pub(crate) const CLASS_COUNT: usize = Class::Curve as usize + 1;
 
 impl Class {
@@ -61,7 +61,7 @@ impl Class {
         }
     }
 
-    /// The name for several of them, as paths of nodes say it: `shapes[3]`.
+    /// The plural name used in node paths: `shapes[3]`.
     pub(crate) fn plural(self) -> String {
         match self {
             Self::Medium => "media".to_owned(),

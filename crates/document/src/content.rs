@@ -1,4 +1,4 @@
-//! What a document says, as bytes for a hash.
+//! Serialises a document's content for hashing.
 
 use glam::DVec3;
 
@@ -7,9 +7,9 @@ use crate::name::Name;
 use crate::value::{SpectrumValue, Value};
 
 impl Document {
-    /// Hands on bytes that differ wherever two documents describe different scenes: classes, plugins,
-    /// parameters and children of all nodes. Places, comments and ids do not count, nor does the
-    /// content of the files that are named; of a buffer, its hash does.
+    /// Emits bytes that differ whenever two documents describe different scenes: classes, plugins,
+    /// parameters and children of all nodes. Positions, comments, ids and the content of named
+    /// files do not count. A buffer contributes its hash.
     pub fn for_each_byte(&self, mut take: impl FnMut(&[u8])) {
         let mut bytes = Bytes(Vec::with_capacity(2 * FULL));
         for node in &self.nodes {
@@ -35,7 +35,7 @@ impl Document {
 }
 
 impl Value {
-    /// Appends bytes that differ wherever two values do; of a buffer, its hash.
+    /// Appends bytes that differ whenever two values differ; for a buffer, its hash.
     pub fn append_bytes(&self, bytes: &mut Vec<u8>) {
         let mut all = Bytes(std::mem::take(bytes));
         all.value(self);
@@ -43,7 +43,7 @@ impl Value {
     }
 }
 
-/// Bytes that are handed on together: a hash function is faster on many at a time.
+/// Bytes collected before they are passed on: a hash function is faster on large chunks.
 const FULL: usize = 1 << 16;
 
 struct Bytes(Vec<u8>);
@@ -53,7 +53,7 @@ impl Bytes {
         self.0.extend_from_slice(&(count as u64).to_le_bytes());
     }
 
-    /// The length in front keeps neighbouring texts apart.
+    /// The length prefix separates neighbouring texts.
     fn text(&mut self, text: &str) {
         self.count(text.len());
         self.0.extend_from_slice(text.as_bytes());

@@ -1,14 +1,14 @@
-//! What was found wrong, whose fault it is, and where.
+//! Diagnostics: what is wrong, whose fault it is, and where.
 
 use std::collections::HashSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::span::Span;
 
-/// How bad it is.
+/// The severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// Nothing can be rendered.
+    /// The scene cannot be rendered.
     Error,
     /// The picture may not be what the author meant.
     Warning,
@@ -21,32 +21,32 @@ pub enum Severity {
 pub enum Fault {
     /// A file is missing or cannot be read.
     Io,
-    /// The text is not what its format asks for.
+    /// The text violates its format.
     Syntax,
-    /// No plugin has that name.
+    /// There is no plugin of that name.
     UnknownPlugin,
-    /// The plugin takes no parameter or child of that name.
+    /// The plugin has no parameter or child of that name.
     UnknownParameter,
     /// A required parameter or child is missing.
     MissingParameter,
-    /// A value of the wrong type or out of range.
+    /// A value has the wrong type or is out of range.
     BadValue,
-    /// Known, but not in this version.
+    /// A known feature that this version does not support.
     Unsupported,
     /// Larger, deeper or more than the limits allow.
     Limit,
     /// Invalid geometry.
     Geometry,
-    /// Rendered as an approximation of what the scene asks for.
+    /// An approximation is rendered instead of what the scene asks for.
     Approximation,
 }
 
-/// Another place that belongs to a diagnostic.
+/// Another position related to a diagnostic.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Related {
     /// Where.
     pub span: Span,
-    /// What stands there.
+    /// What is found there.
     pub message: String,
 }
 
@@ -60,16 +60,16 @@ pub struct Diagnostic {
     pub fault: Fault,
     /// One sentence without a full stop.
     pub message: String,
-    /// Where, if it has a place.
+    /// Where, if there is a position.
     pub span: Option<Span>,
-    /// Other places that belong to it.
+    /// Related positions.
     pub related: Vec<Related>,
-    /// What to do about it, one line each.
+    /// How to fix it, one line each.
     pub help: Vec<String>,
 }
 
 impl Diagnostic {
-    /// A finding of the given severity, to be completed and pushed.
+    /// A finding of the given severity, to be completed and reported.
     pub fn new(
         severity: Severity,
         fault: Fault,
@@ -86,12 +86,12 @@ impl Diagnostic {
         }
     }
 
-    /// An error, to be completed and pushed.
+    /// An error, to be completed and reported.
     pub fn error(fault: Fault, span: impl Into<Option<Span>>, message: impl Into<String>) -> Self {
         Self::new(Severity::Error, fault, span, message)
     }
 
-    /// A warning, to be completed and pushed.
+    /// A warning, to be completed and reported.
     pub fn warning(
         fault: Fault,
         span: impl Into<Option<Span>>,
@@ -106,23 +106,23 @@ impl Diagnostic {
         self
     }
 
-    /// Adds another place.
+    /// Adds a related position.
     pub fn related(mut self, span: Span, message: impl Into<String>) -> Self {
         self.related.push(Related { span, message: message.into() });
         self
     }
 
-    /// The order in which findings are shown: by place, those without a place first.
+    /// The order in which findings are shown: by position, those without one first.
     fn order(&self) -> (Option<Span>, Severity, &str) {
         (self.span, self.severity, &self.message)
     }
 }
 
-/// Messages quote files, and one word of a file may be megabytes long: messages are cut after this
-/// many characters.
+/// Messages quote files, and a single word of a file may be megabytes long, so messages are cut
+/// after this many characters.
 const MESSAGE_LENGTH: usize = 1000;
 
-/// A hostile file can be wrong in millions of places; nobody reads more than this.
+/// A hostile file can have millions of errors; nobody reads more than this.
 const KEPT: usize = 1000;
 
 #[derive(Debug, Default)]
@@ -133,9 +133,9 @@ struct Found {
     omitted: usize,
 }
 
-/// Every finding of one run, each once. Shared by the threads that build a scene.
+/// All findings of one run, without duplicates. The threads that build a scene share them.
 ///
-/// At most 1,000 are kept; [`Diagnostics::omitted`] counts the others.
+/// At most 1,000 are kept; [`Diagnostics::omitted`] counts the rest.
 #[derive(Debug, Default)]
 pub struct Diagnostics {
     strict: bool,
@@ -143,17 +143,17 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// A collection in which unknown parameters are warnings.
+    /// A collection that treats unknown parameters as warnings.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A collection in which unknown parameters are errors.
+    /// A collection that treats unknown parameters as errors.
     pub fn strict() -> Self {
         Self { strict: true, ..Self::default() }
     }
 
-    /// Adds a finding, unless the very same is there already.
+    /// Adds a finding unless an identical one exists.
     pub fn push(&self, mut diagnostic: Diagnostic) {
         if self.strict && diagnostic.fault == Fault::UnknownParameter {
             diagnostic.severity = Severity::Error;
@@ -188,27 +188,27 @@ impl Diagnostics {
         self.push(Diagnostic::new(Severity::Note, fault, span, message));
     }
 
-    /// Whether anything was found that forbids rendering.
+    /// Whether any finding prevents rendering.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }
 
-    /// How many errors were found, those beyond the first 1,000 findings included.
+    /// The number of errors, including those beyond the first 1,000 findings.
     pub fn error_count(&self) -> usize {
         self.lock().error_count
     }
 
-    /// Whether further findings are only counted, so that computing help for them is wasted work.
+    /// Whether further findings are only counted, so that preparing help for them is wasted work.
     pub fn is_full(&self) -> bool {
         self.lock().list.len() >= KEPT
     }
 
-    /// How many findings were not kept.
+    /// The number of findings that were not kept.
     pub fn omitted(&self) -> usize {
         self.lock().omitted
     }
 
-    /// The findings by place: file by file in the order of reading, from top to bottom; then those at
+    /// The sorted findings: file by file in the order of reading, from top to bottom; then those at
     /// nodes built in code, in the order of the nodes.
     pub fn sorted(&self) -> Vec<Diagnostic> {
         let mut list = self.lock().list.clone();
@@ -216,7 +216,7 @@ impl Diagnostics {
         list
     }
 
-    /// Recovers from poisoning: a panicking thread cannot leave a finding half written.
+    /// Recovers from poisoning: a panicking thread cannot leave a partly written finding.
     fn lock(&self) -> MutexGuard<'_, Found> {
         self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -15,17 +15,17 @@ use crate::value::Value;
 /// One object of the scene, with its children by id.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatNode {
-    /// What it is.
+    /// Its class.
     pub class: Class,
-    /// Which kind of its class: the XML `type`, upgraded to this version's names.
+    /// The plugin within its class: the XML `type`, upgraded to this version's names.
     pub plugin: Name,
     /// The name other nodes refer to it by.
     pub id: Option<Name>,
-    /// Its place: the opening tag, or the node itself.
+    /// Its position: the opening tag, or the node itself.
     pub span: Span,
-    /// In the order in which they were given.
+    /// In the order given.
     pub parameters: List<Parameter>,
-    /// In the order in which they were given.
+    /// In the order given.
     pub children: List<Child>,
 }
 
@@ -38,44 +38,45 @@ pub struct Parameter {
     pub original_name: Name,
     /// The value.
     pub value: Value,
-    /// Its place.
+    /// Its position.
     pub span: Span,
 }
 
-/// A node inside another one, nested or referred to. A node may have several parents.
+/// A node inside another one, nested or by reference. A node may have several parents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Child {
-    /// The role in the parent, if it has one (`reflectance`, `interior`).
+    /// Its role in the parent, if any (`reflectance`, `interior`).
     pub name: Option<Name>,
     /// The node.
     pub node: NodeId,
-    /// Where the parent names it: the nested opening tag, or the reference.
+    /// Where the parent mentions it: the nested opening tag, or the reference.
     pub span: Span,
 }
 
-/// A scene as text or code describes it: nodes in one flat list, their places, and the folders in
-/// which files are looked for.
+/// A scene described by text or code: a flat list of nodes, their positions, and the folders in
+/// which files are looked up.
 ///
-/// [`Document::build`] makes one in code; [`DocumentBuilder`](crate::DocumentBuilder) is for readers of
-/// files. References are resolved and never form a cycle, so a walk from the root ends. A node may
-/// have several parents: code that builds something from a node keeps the result by [`NodeId`].
+/// [`Document::build`] makes one in code; [`DocumentBuilder`](crate::DocumentBuilder) is for
+/// readers of files. References are resolved and never form a cycle, so a walk from the root
+/// terminates. A node may have several parents, so code that builds something from a node caches
+/// the result by [`NodeId`].
 #[derive(Clone, Debug)]
 pub struct Document {
-    /// Every node; [`NodeId`] is the position here.
+    /// All nodes, indexed by [`NodeId`].
     pub nodes: Vec<FlatNode>,
-    /// The scene.
+    /// The root: the scene.
     pub root: NodeId,
-    /// Nodes with a child that could not be read or found. That has been reported, so what they lack
-    /// because of it is no further mistake.
+    /// Nodes with a child that could not be read or found. That has been reported, so anything
+    /// missing because of it is not reported again.
     pub incomplete: BTreeSet<NodeId>,
     /// Where the nodes come from.
     pub sources: Sources,
-    /// Where the files it names are looked for.
+    /// Where the document's files are looked up.
     pub resolver: Resolver,
 }
 
 impl Document {
-    /// The node behind an id.
+    /// The node with this id.
     ///
     /// # Panics
     ///
@@ -84,14 +85,14 @@ impl Document {
         &self.nodes[id.index()]
     }
 
-    /// The node that carries an id in the scene: `scene.find("teapot")`.
+    /// The node with this `id` in the scene: `scene.find("teapot")`.
     pub fn find(&self, id: &str) -> Option<NodeId> {
         let position = self.nodes.iter().position(|node| node.id.as_deref() == Some(id))?;
         Some(NodeId(position as u32))
     }
 
-    /// Gives a parameter of a node another value, or a node a further parameter: an edit. The result
-    /// is not checked before a scene is built from it.
+    /// Edits the document: sets a parameter of a node, or adds it. The result is not checked until
+    /// a scene is built from it.
     ///
     /// # Panics
     ///
@@ -109,12 +110,13 @@ impl Document {
         }
     }
 
-    /// Drops everything except the sources, from which the excerpts of findings are cut.
+    /// Drops everything except the sources, which the excerpts of findings need.
     pub fn into_sources(self) -> Sources {
         self.sources
     }
 
-    /// Finds the file that `name`, written at `span`, means; the error lists where it was sought.
+    /// Finds the file that `name`, written at `span`, refers to; the error lists where it was
+    /// looked up.
     pub fn resolve(
         &self,
         name: &str,
@@ -129,7 +131,7 @@ impl Document {
 mod tests {
     use super::*;
 
-    /// A scene of a million instances is a million of these, matrices included.
+    /// A scene of a million instances holds a million of these, matrices included.
     #[test]
     fn nodes_are_small() {
         assert!(size_of::<FlatNode>() <= 208, "{}", size_of::<FlatNode>());

@@ -1,4 +1,4 @@
-//! Findings as text: file, line, column, the line itself, a caret, and advice.
+//! Formats findings as text: file, line, column, the line itself, a caret, and advice.
 
 use std::ops::Range;
 
@@ -10,14 +10,14 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::{Source, Sources, floor_boundary};
 use crate::span::{Location, Span};
 
-/// Lines up to this many characters are shown whole. A scene may be a single line of megabytes: of
-/// longer lines, only the part around the span is shown.
+/// Lines of up to this many characters are shown whole. A scene may be a single line of megabytes,
+/// so of longer lines only the part around the span is shown.
 const SHOWN: usize = 120;
 
-/// A finding as the text a terminal shows, with escape codes for colours where `colored`.
+/// Formats a finding for a terminal, with colour escape codes if `colored`.
 ///
-/// The place is shown as `file:line:column`, with the line and carets under the span, or as the path
-/// of a node that was built in code. Lines of advice follow. The text ends with a line break.
+/// The position is shown as `file:line:column`, with the line and carets under the span, or as the
+/// path of a node built in code. Lines of advice follow. The text ends with a line break.
 pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bool) -> String {
     let mut excerpts = Excerpts { list: Vec::new() };
     let (mut labels, mut notes) = (Vec::new(), Vec::new());
@@ -50,7 +50,7 @@ pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bo
         .with_notes(notes);
     match emit(&shown, &excerpts, colored) {
         Ok(text) => text.trim_end().to_owned() + "\n",
-        // Layout fails only for a broken excerpt, and the message must not be lost with it.
+        // Layout fails only for a broken excerpt; the message must still be shown.
         Err(_) => printable(&diagnostic.message) + "\n",
     }
 }
@@ -69,7 +69,7 @@ fn emit(
     Ok(String::from_utf8_lossy(&writer.into_inner()).into_owned())
 }
 
-/// One line of a source as it is shown.
+/// One source line as shown.
 struct Excerpt {
     name: String,
     line_number: usize,
@@ -77,23 +77,23 @@ struct Excerpt {
     text: String,
 }
 
-/// How a place is shown.
+/// How a position is shown.
 enum Shown {
     /// An excerpt and the span within it.
     Excerpt(usize, Range<usize>),
     /// The path of a node.
     Path(String),
-    /// The place is unknown.
+    /// The position is unknown.
     Nothing,
 }
 
-/// The shown lines. To the layout library, each is a file of its own.
+/// The shown lines. The layout library sees each one as a separate file.
 struct Excerpts {
     list: Vec<Excerpt>,
 }
 
 impl Excerpts {
-    /// Cuts the line of a span out of its source.
+    /// Extracts the line of a span from its source.
     fn add(&mut self, span: Span, sources: &Sources) -> Shown {
         let source = span.source().and_then(|id| sources.get(id));
         match (sources.locate(span), source) {
@@ -108,8 +108,8 @@ impl Excerpts {
     }
 }
 
-/// The part of a span's first line around the span, and the span within it. Of a span over
-/// several lines, what lies on the first one.
+/// The part of a span's first line around the span, and the span within it. A span over several
+/// lines is cut to the first one.
 fn cut(source: &Source, span: Span) -> (String, Range<usize>) {
     let whole = source.text();
     let start = floor_boundary(&whole, span.range().start);
@@ -149,7 +149,7 @@ fn last_characters(text: &str, count: usize) -> (&str, bool) {
     }
 }
 
-/// Without the control characters by which a file could command the terminal.
+/// Removes control characters, which a file could use to control the terminal.
 fn printable(text: &str) -> String {
     let shown = |character: char| match character {
         '\n' => '\n',

@@ -1,4 +1,4 @@
-//! From nodes that hold each other to a document.
+//! Converts nested nodes to a document.
 
 use std::collections::HashMap;
 
@@ -17,21 +17,21 @@ use crate::source::Sources;
 use crate::span::{NodeId, Span};
 use crate::value::Value;
 
-/// What a document built in code needs beside its nodes.
+/// Options of a document built in code.
 #[derive(Clone, Debug, Default)]
 pub struct DocumentOptions {
-    /// Where the files that it names are looked for.
+    /// Where the files that it names are looked up.
     pub resolver: Resolver,
-    /// How much it may ask for.
+    /// Limits on its size.
     pub limits: DocumentLimits,
 }
 
 impl Document {
-    /// Makes a document of a scene that was built in code.
+    /// Builds a document from a scene described in code.
     ///
-    /// Ids, references, values and limits are checked as in a file; findings go to `diagnostics`, and
-    /// their places are the paths of nodes. A document comes back even where there are errors, so that
-    /// the errors of the plugins show in the same run.
+    /// Ids, references, values and limits are checked as in a file. Findings go to `diagnostics`,
+    /// with paths of nodes as positions. A document is returned even after errors, so that errors
+    /// of the plugins show in the same run.
     pub fn build(scene: Node, options: &DocumentOptions, diagnostics: &Diagnostics) -> Self {
         let mut flattener = Flattener {
             builder: DocumentBuilder::new(options.limits.clone(), diagnostics),
@@ -56,14 +56,15 @@ struct Flattener<'a> {
     builder: DocumentBuilder<'a>,
     diagnostics: &'a Diagnostics,
     paths: NodePaths,
-    /// The positions of the names that spans refer to.
+    /// The index of each name that spans refer to.
     name_positions: HashMap<Name, u32>,
-    /// There are too many nodes: no further ones are taken.
+    /// There are too many nodes; further ones are ignored.
     is_full: bool,
 }
 
 impl Flattener<'_> {
-    /// Adds a node with everything in it. Nodes nest [`HEIGHT_LIMIT`] deep at most, and so do calls.
+    /// Adds a node with everything in it. Nodes, and so these calls, nest at most [`HEIGHT_LIMIT`]
+    /// deep.
     fn add(&mut self, node: Node, step: Step) -> Option<NodeId> {
         let Node { class, plugin, id, entries, lost_a_child, .. } = node;
         let span = Span::of_node(NodeId(self.builder.nodes().len() as u32));
@@ -109,7 +110,7 @@ impl Flattener<'_> {
             let name = name.map(|name| self.builder.name(&name));
             match (item, name) {
                 (Item::Value(value), Some(name)) => self.add_parameter(parent, name, value, span),
-                // Only a name makes a value an entry.
+                // A value without a name is not an entry.
                 (Item::Value(_), None) => {}
                 (Item::Reference(id), name) => {
                     self.builder.refer(parent, (name, span), (&id, span));
@@ -141,7 +142,7 @@ impl Flattener<'_> {
         self.builder.node_mut(parent).parameters.push(parameter);
     }
 
-    /// Of several entries with one name, the last one counts.
+    /// The last of several entries with the same name wins.
     fn drop_replaced(&mut self, parent: NodeId, entries: &mut Vec<Entry>) {
         let mut last = HashMap::new();
         for (index, entry) in entries.iter().enumerate() {
@@ -166,7 +167,7 @@ impl Flattener<'_> {
         });
     }
 
-    /// The place of an entry: the node and the name, or the node alone.
+    /// The position of an entry: the node and the name, or the node alone.
     fn entry_span(&mut self, parent: NodeId, name: Option<&Name>) -> Span {
         let Some(name) = name else {
             return Span::of_node(parent);
@@ -183,7 +184,7 @@ impl Flattener<'_> {
     }
 }
 
-/// Numbers the nodes without a role among those of their class.
+/// Numbers the children without a role within their class.
 struct ClassCounter {
     totals: [u32; CLASS_COUNT],
     seen: [u32; CLASS_COUNT],
@@ -200,7 +201,7 @@ impl ClassCounter {
         Self { totals, seen: [0; CLASS_COUNT] }
     }
 
-    /// The position of the next node; `None` where it needs no number.
+    /// The index of the next node; `None` if it needs no number.
     fn next(&mut self, node: &Node, name: Option<&Name>) -> Option<u32> {
         let class = node.class as usize;
         if name.is_some() || self.totals[class] == 1 {

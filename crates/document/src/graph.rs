@@ -1,4 +1,4 @@
-//! Children as a graph: cycles are cut, and so is what is too deep or too large.
+//! The graph of children: removes cycles and whatever exceeds the limits.
 
 use std::collections::BTreeSet;
 
@@ -8,10 +8,10 @@ use crate::limits::DocumentLimits;
 use crate::name::Name;
 use crate::span::NodeId;
 
-/// Stands in a child until its reference is resolved, and where that fails.
+/// A child's node id before its reference is resolved, or if that fails.
 pub(crate) const UNRESOLVED: NodeId = NodeId(u32::MAX);
 
-/// Removes children that were not found, and what makes cycles or is beyond the limits; returns the
+/// Removes children that were not found, that form cycles or that exceed the limits; returns the
 /// nodes that lost a child.
 pub(crate) fn make_acyclic(
     nodes: &mut [FlatNode],
@@ -24,7 +24,7 @@ pub(crate) fn make_acyclic(
     incomplete
 }
 
-/// Removes the children that were not found; returns the nodes that had one.
+/// Removes the children that were not found; returns the nodes that had any.
 fn remove_unresolved(nodes: &mut [FlatNode]) -> BTreeSet<NodeId> {
     let mut incomplete = BTreeSet::new();
     for (index, node) in nodes.iter_mut().enumerate() {
@@ -37,22 +37,22 @@ fn remove_unresolved(nodes: &mut [FlatNode]) -> BTreeSet<NodeId> {
     incomplete
 }
 
-/// How far the walk has come with a node.
+/// The state of a node during the walk.
 #[derive(Clone, Copy, Debug)]
 enum Visit {
     New,
-    /// On the way from the start to where the walk is.
+    /// On the current path from the start.
     Open,
-    /// Walked, with the depth of what is below it and the number of objects that it comes to
-    /// when every reference is followed.
+    /// Finished, with the depth below it and the number of objects it expands to if every reference
+    /// is followed.
     Done {
         depth: u32,
         size: u64,
     },
 }
 
-/// Cuts references that lead back to an object that holds them, and what is too deep or too
-/// large. The walk keeps its own stack: chains may be as long as the scene.
+/// Cuts references that lead back to an object that holds them, and those that exceed the limits.
+/// The walk uses an explicit stack, because chains may be as long as the scene.
 fn cut_cycles(nodes: &mut [FlatNode], diagnostics: &Diagnostics, limits: &DocumentLimits) {
     let mut visits = vec![Visit::New; nodes.len()];
     let mut path: Vec<(usize, usize)> = Vec::new();
@@ -84,7 +84,7 @@ fn cut_cycles(nodes: &mut [FlatNode], diagnostics: &Diagnostics, limits: &Docume
     }
 }
 
-/// Sums up a node whose children have all been walked; cuts them off where they are too much.
+/// Sums up a node whose children are finished; cuts them off if they exceed the limits.
 fn finish(
     nodes: &mut [FlatNode],
     index: usize,
@@ -115,7 +115,7 @@ fn finish(
     Visit::Done { depth: 0, size: 1 }
 }
 
-/// Shows the way from an object back to itself.
+/// Describes the cycle from an object back to itself.
 fn report_cycle(
     nodes: &[FlatNode],
     path: &[(usize, usize)],
@@ -135,7 +135,7 @@ fn report_cycle(
     }
     names.push(name(back_to.index()));
     let message = format!("objects hold each other in a circle: {}", names.join(" → "));
-    // The position on the path has already moved on to the next child.
+    // The index on the path has already moved on to the next child.
     let place = |(node, next): &(usize, usize)| nodes[*node].children[next - 1].span;
     let Some(last) = path.last() else {
         return;

@@ -1,16 +1,17 @@
-//! The scene document: what every reader and every host makes, and what scenes are built from.
+//! The scene document: readers and hosts produce it, and scenes are built from it.
 //!
 //! A [`Document`] is a flat list of nodes, each with its class, plugin name, typed parameters and
-//! children. Every item knows its place: the lines of a file, or the path of a node that was built in
+//! children. Every item knows its position: the lines of a file, or the path of a node built in
 //! code.
 //!
 //! - Hosts build scenes in code from [`Node`]s and [`Buffer`]s; [`Document::build`] checks them.
-//! - Readers of files add nodes to a [`DocumentBuilder`], which resolves references and keeps limits.
-//! - Plugins read their node through [`Parameters`], which remembers what was asked, so that an unknown
-//!   parameter is reported with the names that exist.
+//! - Readers of files add nodes to a [`DocumentBuilder`], which resolves references and enforces
+//!   limits.
+//! - Plugins read their node through [`Parameters`], which records the names asked for, so that an
+//!   unknown parameter is reported with the names that exist.
 //!
-//! Nothing here reads files or prints: bytes come through [`Resources`], and findings are collected in
-//! [`Diagnostics`].
+//! This crate neither reads files nor prints: bytes come through [`Resources`], and findings are
+//! collected in [`Diagnostics`].
 #![forbid(unsafe_code)]
 
 mod buffer;

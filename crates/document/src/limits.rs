@@ -1,13 +1,14 @@
-//! How much a document may hold.
+//! Limits of a document.
 
-/// Bounds on what a scene may ask for, far above what real scenes need.
+/// Limits of a scene, far above what real scenes need.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DocumentLimits {
-    /// How deep objects may nest, references counted in.
+    /// The maximum nesting depth of objects, including references.
     pub depth: usize,
-    /// Objects of the whole scene.
+    /// The maximum number of objects in the scene.
     pub nodes: usize,
-    /// How many objects one object may come to when every reference in it is followed.
+    /// The maximum number of objects that one object expands to if every reference in it is
+    /// followed.
     pub expanded_nodes: u64,
 }
 

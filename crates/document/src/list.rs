@@ -1,11 +1,11 @@
-//! Lists that mostly hold one item.
+//! Lists that usually hold a single item.
 
 use std::ops::{Deref, DerefMut};
 
-/// A list that keeps a single item in place, without memory of its own.
+/// A list that stores a single item inline, without an allocation.
 ///
-/// Most nodes of a large document are instances: one parameter, one child. A vector would spend as
-/// much on its header, its allocation and its spare places as on the item.
+/// Most nodes of a large document are instances with one parameter and one child. A vector's
+/// header, allocation and spare capacity would take as much memory as the item.
 #[derive(Clone)]
 pub struct List<T>(Items<T>);
 
@@ -35,7 +35,7 @@ impl<T> List<T> {
         }
     }
 
-    /// Keeps the items for which `wanted` says so, in order.
+    /// Keeps the items that `wanted` accepts, in order.
     pub fn retain(&mut self, mut wanted: impl FnMut(&T) -> bool) {
         match &mut self.0 {
             Items::Many(items) => items.retain(wanted),
@@ -151,7 +151,7 @@ impl<T: std::fmt::Debug> std::fmt::Debug for List<T> {
 mod tests {
     use super::*;
 
-    /// Whatever way a list came to its items, it holds them in order.
+    /// However items are added, the list holds them in order.
     #[test]
     fn it_is_a_vector_of_none_one_or_many() {
         let mut list = List::new();

@@ -1,4 +1,4 @@
-//! Names that a document repeats often, each stored once.
+//! Interned names, because documents repeat them often.
 
 use std::borrow::Borrow;
 use std::collections::HashSet;
@@ -6,10 +6,10 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A word of a document: the name of a plugin, a parameter, an object. Eight bytes and shared, as a
-/// scene may say `to_world` a million times.
+/// A word of a document: the name of a plugin, a parameter or an object. It takes eight bytes and
+/// is shared, because a scene may say `to_world` a million times.
 ///
-/// `Arc<str>` would be sixteen bytes, and a document of instances is made of little else than names.
+/// `Arc<str>` would take sixteen bytes, and a document of instances consists mostly of names.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Name(Arc<Box<str>>);
 
@@ -40,7 +40,7 @@ impl AsRef<str> for Name {
     }
 }
 
-/// Its hash and order are those of the word.
+/// Hashed and ordered like the word.
 impl Borrow<str> for Name {
     fn borrow(&self) -> &str {
         &self.0
@@ -90,7 +90,7 @@ pub struct NameInterner {
 }
 
 impl NameInterner {
-    /// The name for a word; equal words share one.
+    /// Interns a word; equal words share one name.
     pub fn name(&mut self, word: &str) -> Name {
         if let Some(name) = self.known.get(word) {
             return name.clone();

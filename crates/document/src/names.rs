@@ -1,19 +1,19 @@
-//! Near names, for "did you mean".
+//! Similar names, for "did you mean".
 
-/// At most this many suggestions are of use.
+/// The maximum number of suggestions.
 const SUGGESTION_LIMIT: usize = 3;
 
-/// From this similarity on, a name is suggested.
+/// The minimum similarity of a suggestion.
 const NEAR: f64 = 0.6;
 
-/// Names longer than this are not compared: the distance is quadratic in their length.
+/// Longer names are not compared, because the cost is quadratic in the length.
 const COMPARED_LENGTH: usize = 64;
 
-/// The candidates that resemble `name`, the nearest first, at most three.
+/// The candidates similar to `name`, the most similar first, at most three.
 ///
 /// Similarity is the optimal string alignment distance (insertions, deletions, replacements and
-/// swaps of neighbours) relative to the longer name, without regard to case, underscores and
-/// hyphens; a name that holds the other one counts as near too.
+/// swaps of neighbours) relative to the longer name, ignoring case, underscores and hyphens. A name
+/// that contains the other one counts as similar too.
 pub fn near_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     if name.len() > COMPARED_LENGTH {
         return Vec::new();
@@ -41,12 +41,12 @@ fn plain(name: &str) -> String {
     name.chars().filter(|c| !matches!(c, '_' | '-')).flat_map(char::to_lowercase).collect()
 }
 
-/// From 0 to 1; what is below [`NEAR`] may come back as 0.
+/// From 0 to 1; values below [`NEAR`] may be returned as 0.
 fn similarity(a: &str, b: &str) -> f64 {
     let contained = a.len().min(b.len()) >= 3 && (a.contains(b) || b.contains(a));
     let (a_length, b_length) = (a.chars().count(), b.chars().count());
     let longer = a_length.max(b_length).max(1) as f64;
-    // The distance is at least the difference of the lengths, which is quicker to know.
+    // The length difference is a lower bound of the distance and cheaper to compute.
     let bound = 1.0 - a_length.abs_diff(b_length) as f64 / longer;
     let similarity =
         if bound < NEAR { 0.0 } else { 1.0 - strsim::osa_distance(a, b) as f64 / longer };

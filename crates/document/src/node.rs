@@ -1,4 +1,4 @@
-//! Scenes built in code: nodes that hold each other.
+//! Scenes built in code from nested nodes.
 
 use crate::class::Class;
 use crate::name::Name;
@@ -6,8 +6,8 @@ use crate::value::Value;
 
 /// An object of a scene, with everything inside it.
 ///
-/// This is how hosts describe scenes in code: [`Document::build`](crate::Document::build) makes a
-/// document of the root. Nothing is checked before that.
+/// Hosts describe scenes in code with it: [`Document::build`](crate::Document::build) turns the
+/// root into a document. Nothing is checked before that.
 ///
 /// ```
 /// use etendue_document::{Diagnostics, Document, DocumentOptions, Node, reference, rgb};
@@ -34,20 +34,20 @@ pub struct Node {
     pub(crate) plugin: Name,
     pub(crate) id: Option<Name>,
     pub(crate) entries: Vec<Entry>,
-    /// How many levels of nodes are inside.
+    /// The number of levels of nodes inside.
     height: u32,
-    /// Whether a child was dropped because it would nest too deep.
+    /// Whether a child was dropped because of the nesting limit.
     pub(crate) lost_a_child: bool,
 }
 
-/// What a node holds under a name, or under none.
+/// A named or unnamed entry of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Entry {
     pub(crate) name: Option<Name>,
     pub(crate) item: Item,
 }
 
-/// What [`Node::with`] takes: a value, a node, or a reference to a node.
+/// What [`Node::with`] accepts: a value, a node, or a reference to a node.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
     /// A parameter's value.
@@ -58,21 +58,21 @@ pub enum Item {
     Reference(Name),
 }
 
-/// What [`Node::child`] takes: a node, or a reference to one.
+/// What [`Node::child`] accepts: a node, or a reference to one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChildItem(Item);
 
-/// A node that is defined elsewhere in the scene, before or after, by its id.
+/// Refers by id to a node defined elsewhere in the scene, before or after.
 pub fn reference(id: &str) -> ChildItem {
     ChildItem(Item::Reference(id.into()))
 }
 
-/// Nodes may nest this deep, far beyond the limits of a document. Where they do not, walks over them
-/// need no stack of their own.
+/// The maximum nesting depth of nodes, far beyond the limits of a document. It bounds the recursion
+/// of functions that walk over nodes.
 pub(crate) const HEIGHT_LIMIT: u32 = 128;
 
 impl Node {
-    /// An object of a class, whose kind is the name of a plugin.
+    /// An object of a class; `plugin` is its type.
     pub fn new(class: Class, plugin: &str) -> Self {
         Self {
             class,
@@ -84,22 +84,22 @@ impl Node {
         }
     }
 
-    /// The name by which [`reference`]s refer to the node.
+    /// Sets the name by which [`reference`]s refer to the node.
     #[must_use]
     pub fn id(mut self, id: &str) -> Self {
         self.id = Some(id.into());
         self
     }
 
-    /// Adds a parameter, or a child in a role of the node: `.with("alpha", 0.1)`,
-    /// `.with("interior", Node::medium("homogeneous"))`, `.with("bsdf", reference("red"))`.
+    /// Adds a parameter or a named child: `.with("alpha", 0.1)`, `.with("interior",
+    /// Node::medium("homogeneous"))`, `.with("bsdf", reference("red"))`.
     #[must_use]
     pub fn with(mut self, name: &str, item: impl Into<Item>) -> Self {
         self.push(Some(name.into()), item.into());
         self
     }
 
-    /// Adds a child without a role: what a shape is made of, what a scene consists of.
+    /// Adds a child without a role, such as the BSDF of a shape or a shape of the scene.
     #[must_use]
     pub fn child(mut self, child: impl Into<ChildItem>) -> Self {
         self.push(None, child.into().0);
@@ -138,13 +138,13 @@ macro_rules! constructors {
 }
 
 constructors! {
-    /// How light is computed.
+    /// A light transport algorithm.
     integrator => Integrator,
     /// A camera.
     sensor => Sensor,
-    /// What a camera's picture is kept on.
+    /// What records a camera's picture.
     film => Film,
-    /// Where random numbers come from.
+    /// A source of random numbers.
     sampler => Sampler,
     /// A film's pixel filter.
     reconstruction_filter => ReconstructionFilter,

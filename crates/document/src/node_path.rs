@@ -1,14 +1,14 @@
-//! The paths of nodes that were built in code, which stand for lines and columns in diagnostics.
+//! Paths of nodes built in code: diagnostics show them instead of lines and columns.
 
 use crate::class::Class;
 use crate::name::Name;
 use crate::span::{NodeId, Span};
 
-/// How each node of a built document is reached from the root, kept as one step per node.
+/// How each node of a document built in code is reached from the root, stored as one step per node.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NodePaths {
     steps: Vec<Step>,
-    /// The names of parameters and roles, which spans refer to by position.
+    /// The names of parameters and roles; spans refer to them by index.
     names: Vec<Name>,
 }
 
@@ -17,15 +17,15 @@ pub(crate) struct NodePaths {
 pub(crate) struct Step {
     /// `None` for the root.
     pub(crate) parent: Option<NodeId>,
-    /// What the node is.
+    /// The class of the node.
     pub(crate) class: Class,
     /// Its role in the parent.
     pub(crate) name: Option<Name>,
-    /// Its position among the children of its class; `None` where it is the only one.
+    /// Its index among the parent's children of the same class; `None` if it is the only one.
     pub(crate) position: Option<u32>,
 }
 
-/// A path is at most as long as nodes nest, unless a reader is broken.
+/// Bounds the length of a path: it cannot exceed the nesting depth unless a reader is broken.
 const STEP_LIMIT: usize = 1000;
 
 impl NodePaths {
@@ -34,13 +34,13 @@ impl NodePaths {
         self.steps.push(step);
     }
 
-    /// Keeps a name that spans refer to; its position.
+    /// Adds a name that spans refer to; returns its index.
     pub(crate) fn push_name(&mut self, name: Name) -> u32 {
         self.names.push(name);
         (self.names.len() - 1) as u32
     }
 
-    /// The path to the place of a span: `scene.shapes[3].bsdf.alpha`; `None` for a place in a text.
+    /// The path of a span: `scene.shapes[3].bsdf.alpha`; `None` for a span in a text.
     pub(crate) fn path(&self, span: Span) -> Option<String> {
         let node = span.node()?;
         let mut words = Vec::new();

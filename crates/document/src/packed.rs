@@ -1,22 +1,22 @@
-//! Large texts, kept small while nobody looks at them.
+//! Large texts, compressed until they are needed.
 
 use std::io::Read;
 
 use flate2::Compression;
 use flate2::read::{DeflateDecoder, DeflateEncoder};
 
-/// A text in compressed pieces.
+/// A text in compressed chunks.
 #[derive(Clone, Debug)]
 pub(crate) struct Packed {
     pieces: Vec<Box<[u8]>>,
     length: usize,
 }
 
-/// Bytes of text in a piece.
+/// The bytes of text per chunk.
 const PIECE: usize = 1 << 20;
 
 impl Packed {
-    /// Compresses a text; `None` where that fails.
+    /// Compresses a text; `None` on failure.
     pub(crate) fn new(text: &str) -> Option<Self> {
         let pack = |piece: &[u8]| {
             let mut packed = Vec::new();
@@ -27,11 +27,12 @@ impl Packed {
         Some(Self { pieces, length: text.len() })
     }
 
-    /// The bytes of the text, piece by piece; pieces may end within a character.
+    /// The bytes of the text, chunk by chunk; a chunk may end within a character.
     pub(crate) fn pieces(&self) -> impl Iterator<Item = Vec<u8>> {
         self.pieces.iter().map(|piece| {
             let mut bytes = Vec::with_capacity(PIECE);
-            // Data that this type packed itself unpacks; a failure would show in the length.
+            // This type packed the data itself, so unpacking cannot fail; an error would show in
+            // the length.
             let _ = DeflateDecoder::new(&**piece).read_to_end(&mut bytes);
             bytes
         })
@@ -44,7 +45,7 @@ impl Packed {
         String::from_utf8(bytes).unwrap_or_default()
     }
 
-    /// Bytes of the text.
+    /// The length of the text in bytes.
     pub(crate) fn length(&self) -> usize {
         self.length
     }

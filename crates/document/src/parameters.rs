@@ -1,4 +1,4 @@
-//! How a plugin reads its node, and how what it did not read is reported.
+//! How a plugin reads its node and how unread entries are reported.
 
 mod reading;
 mod report;
@@ -17,32 +17,32 @@ use crate::span::{NodeId, Span};
 use crate::value::Value;
 
 impl Document {
-    /// The reader from which a plugin is built.
+    /// The reader for a plugin's node.
     pub fn parameters<'a>(&'a self, node: NodeId, diagnostics: &'a Diagnostics) -> Parameters<'a> {
         Parameters::new(self, node, diagnostics)
     }
 }
 
-/// Either form in which a colour-or-texture parameter may come.
+/// The two forms of a colour-or-texture parameter.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry<'a> {
-    /// A value and its place.
+    /// A value and its position.
     Value(&'a Value, Span),
-    /// A nested object or a reference.
+    /// A nested or referenced object.
     Child(&'a Child),
 }
 
-/// A node's parameters while a plugin is built from them.
+/// Reads a node's parameters while a plugin is built from them.
 ///
-/// It remembers which names were asked for and which entries were read; [`Parameters::finish`]
-/// reports the rest. A value of the wrong type or out of range is reported with its place and
-/// replaced by the default, so that one run shows every error.
+/// It records which names were asked for and which entries were read; [`Parameters::finish`]
+/// reports the rest. A value of the wrong type or out of range is reported with its position and
+/// replaced by the default, so that one run shows all errors.
 pub struct Parameters<'a> {
     document: &'a Document,
     id: NodeId,
     node: &'a FlatNode,
     diagnostics: &'a Diagnostics,
-    /// The names asked for, which are the names the plugin takes.
+    /// The names asked for: the names that the plugin accepts.
     asked: RefCell<Vec<String>>,
     parameters_read: RefCell<Vec<bool>>,
     children_read: RefCell<Vec<bool>>,
@@ -64,7 +64,7 @@ impl<'a> Parameters<'a> {
         parameters
     }
 
-    /// The id of the node that is read.
+    /// The id of the node being read.
     pub fn node(&self) -> NodeId {
         self.id
     }
@@ -74,7 +74,7 @@ impl<'a> Parameters<'a> {
         self.document
     }
 
-    /// What the node is.
+    /// The node's class.
     pub fn class(&self) -> Class {
         self.node.class
     }
@@ -89,7 +89,7 @@ impl<'a> Parameters<'a> {
         self.node.id.as_deref()
     }
 
-    /// The place of the node.
+    /// The position of the node.
     pub fn span(&self) -> Span {
         self.node.span
     }
@@ -104,26 +104,26 @@ impl<'a> Parameters<'a> {
         self.document.incomplete.contains(&self.id)
     }
 
-    /// Reports an error at the place of parameter or child `name`, or of the node. Missing entries of
-    /// an incomplete node are not reported.
+    /// Reports an error at the position of parameter or child `name`, or of the node. Missing
+    /// entries of an incomplete node are not reported.
     pub fn error(&self, fault: Fault, name: &str, message: impl Into<String>) {
         if fault != Fault::MissingParameter || !self.is_incomplete() {
             self.diagnostics.error(fault, self.span_of(name), message);
         }
     }
 
-    /// Reports a warning at the place of parameter or child `name`, or of the node.
+    /// Reports a warning at the position of parameter or child `name`, or of the node.
     pub fn warning(&self, fault: Fault, name: &str, message: impl Into<String>) {
         self.diagnostics.warning(fault, self.span_of(name), message);
     }
 
-    /// Whether there is a parameter or child of that name; does not count as reading it.
+    /// Whether there is a parameter or child of that name. This does not count as reading it.
     pub fn has(&self, name: &str) -> bool {
         self.ask(name);
         self.find(name).is_some() || self.find_child(name).is_some()
     }
 
-    /// The place of the parameter or child of that name, or else of the node.
+    /// The position of the parameter or child of that name, or else of the node.
     pub fn span_of(&self, name: &str) -> Span {
         let parameter = self.find(name).map(|(_, parameter)| parameter.span);
         let child = || self.find_child(name).map(|(_, child)| child.span);
@@ -138,7 +138,7 @@ impl<'a> Parameters<'a> {
         Some((&parameter.value, parameter.span))
     }
 
-    /// A value or a child of that name; where a text has both, the later one.
+    /// A value or a child of that name; if there are both, the later one.
     pub fn entry(&self, name: &str) -> Option<Entry<'a>> {
         let value = self.value(name);
         let child = self.child(name);
@@ -157,7 +157,7 @@ impl<'a> Parameters<'a> {
         Some(child)
     }
 
-    /// Every child of a class, named or not, in order.
+    /// All children of a class, named or not, in order.
     pub fn children_of(&self, class: Class) -> Vec<&'a Child> {
         let of_class = self.indexed_children().filter(|(_, child)| self.class_of(child) == class);
         let mut read = self.children_read.borrow_mut();
@@ -168,7 +168,7 @@ impl<'a> Parameters<'a> {
         of_class.map(mark).collect()
     }
 
-    /// The child of a class where a plugin takes one and its name does not matter: the first
+    /// The child of a class, if the plugin takes one and its name does not matter: the first
     /// without a name, or else the first not yet read. Further ones stay unread.
     pub fn unnamed_child(&self, class: Class) -> Option<&'a Child> {
         let read = self.children_read.borrow().clone();
@@ -182,7 +182,7 @@ impl<'a> Parameters<'a> {
         Some(child)
     }
 
-    /// The same, where the plugin cannot do without; `None` after its absence has been reported.
+    /// Like [`Self::unnamed_child`], for a required child; reports its absence and returns `None`.
     pub fn required_child(&self, class: Class) -> Option<&'a Child> {
         let found = self.unnamed_child(class);
         if found.is_none() {
@@ -199,7 +199,7 @@ impl<'a> Parameters<'a> {
         }
     }
 
-    /// The last parameter of that name: a later one replaces an earlier one.
+    /// The last parameter of that name: later ones replace earlier ones.
     fn find(&self, name: &str) -> Option<(usize, &'a Parameter)> {
         let mut parameters = self.node.parameters.iter().enumerate();
         parameters.rfind(|(_, parameter)| parameter.name == name)

@@ -1,4 +1,4 @@
-//! Where a file that a scene names is looked for.
+//! Looks up the files that a scene names.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -9,37 +9,37 @@ use crate::span::SourceId;
 
 /// The folders in which file names are resolved.
 ///
-/// Real scenes name files relative to their own folder, to a folder above it, to the folder the
-/// renderer was started in, or to one given on the command line. A name is sought, in this order:
+/// Real scenes name files relative to the scene's folder, to a folder above it, to the folder the
+/// renderer was started in, or to one given on the command line. A name is looked up in this order:
 /// as an absolute path, in the folder of the file that names it, in the scene's `<path>` entries,
-/// in the search paths, in the working directory, and in every folder above the one of the file
-/// that names it. Backslashes separate folders as slashes do.
+/// in the search paths, in the working directory, and in every folder above that of the file that
+/// names it. Backslashes separate folders like slashes.
 #[derive(Clone, Debug, Default)]
 pub struct Resolver {
     /// The folder of each text of the document, by source id.
     pub source_folders: Vec<PathBuf>,
     /// The scene's `<path>` entries.
     pub scene_paths: Vec<PathBuf>,
-    /// The folders the user gave.
+    /// The user's search paths.
     pub search_paths: Vec<PathBuf>,
-    /// Where relative names start; the host's current directory.
+    /// The base of relative names: the host's current directory.
     pub working_directory: PathBuf,
 }
 
-/// A file that is in none of the places where it could be.
+/// A file that was not found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotFound {
     /// The name as written.
     pub name: String,
     /// Every path that was tried, in order.
     pub tried: Vec<PathBuf>,
-    /// The folders that those start from, in order; none where the name is an absolute path.
+    /// The base folders of these paths, in order; none if the name is an absolute path.
     pub folders: Vec<PathBuf>,
 }
 
 impl NotFound {
-    /// Lines of advice for a diagnostic: the folders in which it was sought, which are the same for
-    /// all files that a text names.
+    /// Advice for a diagnostic: the folders that were searched, which are the same for all files
+    /// that a text names.
     pub fn help(&self) -> Vec<String> {
         if self.folders.is_empty() {
             return Vec::new();
@@ -49,8 +49,8 @@ impl NotFound {
         vec![format!("looked for it in\n{}", folders.join("\n"))]
     }
 
-    /// The same, after the names of files that resemble it. For these all folders are listed, which
-    /// takes time where a scene misses a thousand files.
+    /// Like [`Self::help`], preceded by the names of similar files. Finding these lists all
+    /// folders, which takes time if a scene misses a thousand files.
     pub fn help_with_near_names(&self, resources: &dyn Resources) -> Vec<String> {
         let near = near_files(&self.tried, resources);
         let names = list_names(near.iter().map(String::as_str));
@@ -68,8 +68,8 @@ impl fmt::Display for NotFound {
 impl std::error::Error for NotFound {}
 
 impl Resolver {
-    /// Finds the file that `name`, written in the text `source`, means. A document that was built in
-    /// code has no text: then names start at the other folders.
+    /// Finds the file that `name`, written in the text `source`, refers to. A document built in
+    /// code has no text, so its names are looked up only in the other folders.
     ///
     /// # Errors
     ///
@@ -92,8 +92,8 @@ impl Resolver {
         }
     }
 
-    /// The paths at which `name`, written in the text `source`, may lie, in order of preference,
-    /// each once, normalised.
+    /// The normalised paths at which `name`, written in the text `source`, may be found, in order
+    /// of preference and without duplicates.
     pub fn candidates(&self, name: &str, source: impl Into<Option<SourceId>>) -> Vec<PathBuf> {
         let as_written = Path::new(name);
         let with_slashes = as_path(name);
@@ -102,7 +102,7 @@ impl Resolver {
         }
         let mut candidates = Vec::new();
         for folder in self.folders(source.into()) {
-            // A backslash may also be a letter of a file name, though hardly ever.
+            // A backslash may also be part of a file name, but this is rare.
             for file in [as_written, &with_slashes] {
                 let path = normalise(&folder.join(file));
                 if !candidates.contains(&path) {
@@ -113,7 +113,8 @@ impl Resolver {
         candidates
     }
 
-    /// The folders in which a name written in the text `source` is sought, in order, each once.
+    /// The folders in which a name written in the text `source` is looked up, in order and without
+    /// duplicates.
     fn folders(&self, source: Option<SourceId>) -> Vec<PathBuf> {
         let own = source.and_then(|source| self.source_folders.get(source.index()));
         let own = own.map(|folder| normalise(&self.working_directory.join(folder)));
@@ -132,12 +133,12 @@ impl Resolver {
     }
 }
 
-/// A file name of a scene with slashes between its folders.
+/// Replaces backslashes of a file name by slashes.
 fn as_path(name: &str) -> PathBuf {
     name.trim().replace('\\', "/").into()
 }
 
-/// Files that resemble the missing one, in the folders where it was sought.
+/// Similar file names in the folders that were searched.
 fn near_files(tried: &[PathBuf], resources: &dyn Resources) -> Vec<String> {
     let Some(wanted) = tried.first().and_then(|path| path.file_name()?.to_str()) else {
         return Vec::new();

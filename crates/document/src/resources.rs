@@ -1,4 +1,4 @@
-//! Bytes by name: how files reach code that does no file access of its own.
+//! Bytes by name: how code without file access gets its files.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,12 +9,12 @@ use std::path::{Component, Path, PathBuf};
 pub enum ResourceError {
     /// There is nothing of that name.
     NotFound,
-    /// It holds more bytes than the host is ready to read.
+    /// It is larger than the host accepts.
     TooLarge {
-        /// The greatest size in bytes.
+        /// The maximum size in bytes.
         limit: u64,
     },
-    /// Anything else, in the host's words.
+    /// Any other error, in the host's words.
     Other(String),
 }
 
@@ -30,7 +30,7 @@ impl fmt::Display for ResourceError {
 
 impl std::error::Error for ResourceError {}
 
-/// Files as a host offers them.
+/// The files that a host provides.
 pub trait Resources: Send + Sync {
     /// The whole content of a file.
     ///
@@ -42,15 +42,14 @@ pub trait Resources: Send + Sync {
     /// Whether there is a file (not a folder) of that name.
     fn exists(&self, path: &Path) -> bool;
 
-    /// The names of the entries of a folder, to suggest near ones when a file is missing.
-    /// Empty where the host cannot tell.
+    /// The names of a folder's entries, to suggest similar ones if a file is missing. Empty if the
+    /// host cannot list them.
     fn list(&self, _folder: &Path) -> Vec<String> {
         Vec::new()
     }
 }
 
-/// Resources held in memory, for tests and embedded scenes. Paths are compared without `.` and
-/// `..`.
+/// Resources held in memory, for tests and embedded scenes. Paths are normalised for comparison.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryResources {
     files: BTreeMap<PathBuf, Vec<u8>>,
@@ -62,7 +61,7 @@ impl MemoryResources {
         self.files.insert(normalise(&path.into()), bytes.into());
     }
 
-    /// The same, for building a collection in one expression.
+    /// Like [`Self::insert`], for building a collection in one expression.
     #[must_use]
     pub fn with(mut self, path: impl Into<PathBuf>, bytes: impl Into<Vec<u8>>) -> Self {
         self.insert(path, bytes);
@@ -86,8 +85,8 @@ impl Resources for MemoryResources {
     }
 }
 
-/// The same path without `.` and with `..` resolved by name alone, as paths of files come from
-/// [`Resolver::resolve`](crate::Resolver::resolve).
+/// Normalises a path lexically: removes `.` and resolves `..`, as
+/// [`Resolver::resolve`](crate::Resolver::resolve) does.
 pub fn normalise(path: &Path) -> PathBuf {
     let mut normal = PathBuf::new();
     for component in path.components() {

@@ -1,22 +1,22 @@
-//! Whether a document that was changed in code is still one.
+//! Checks that a document edited in code is still valid.
 
 use crate::check::value_problem;
 use crate::diagnostic::{Diagnostics, Fault};
 use crate::document::Document;
 
-/// How far the walk has come with a node.
+/// The state of a node during the walk.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Visit {
     New,
-    /// On the way from the start to where the walk is.
+    /// On the current path from the start.
     Open,
     Done,
 }
 
 impl Document {
-    /// Whether every walk along the children stays within the document and ends. If not, an error says
-    /// why. Values that cannot be used are errors, too. [`Document::build`] and readers of files make
-    /// documents that pass; an edit of [`Document::nodes`] may do anything.
+    /// Checks that every walk along the children stays within the document and terminates, and that
+    /// all values are usable. If not, the error says why. Documents from [`Document::build`] and
+    /// readers of files always pass; an edit of [`Document::nodes`] may break anything.
     pub fn check(&self, diagnostics: &Diagnostics) -> bool {
         for parameter in self.nodes.iter().flat_map(|node| &node.parameters) {
             if let Some(problem) = value_problem(&parameter.name, &parameter.value) {
@@ -32,7 +32,7 @@ impl Document {
             return false;
         }
         let mut visits = vec![Visit::New; self.nodes.len()];
-        // The walk keeps its own stack: chains may be as long as the document.
+        // The walk uses an explicit stack, because chains may be as long as the document.
         let mut path: Vec<(usize, usize)> = Vec::new();
         for start in 0..self.nodes.len() {
             if visits[start] == Visit::New {

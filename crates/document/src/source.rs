@@ -1,4 +1,4 @@
-//! The texts a document was read from, and places in them.
+//! The texts a document was read from, and positions in them.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ impl Source {
         }
     }
 
-    /// The bytes of the text in order, of a packed one without unpacking all of it.
+    /// The bytes of the text in order; a packed text is not unpacked as a whole.
     pub fn pieces(&self) -> impl Iterator<Item = Cow<'_, [u8]>> {
         let (whole, packed) = match &self.text {
             Text::Whole(text) => (Some(Cow::Borrowed(text.as_bytes())), None),
@@ -44,7 +44,7 @@ impl Source {
         whole.into_iter().chain(packed.into_iter().flatten())
     }
 
-    /// Bytes of the text.
+    /// The length of the text in bytes.
     fn length(&self) -> usize {
         match &self.text {
             Text::Whole(text) => text.len(),
@@ -52,12 +52,12 @@ impl Source {
         }
     }
 
-    /// The index of the line (from 0) that holds a byte offset.
+    /// The index of the line (from 0) that contains a byte offset.
     pub(crate) fn line_index(&self, offset: usize) -> usize {
         self.line_starts.partition_point(|&start| start as usize <= offset).saturating_sub(1)
     }
 
-    /// The bytes of a line of `text`, which is this source's, without its line break.
+    /// The bytes of a line of `text`, which is this source's text, without its line break.
     pub(crate) fn line_range(&self, line_index: usize, text: &str) -> std::ops::Range<usize> {
         let start = self.line_starts.get(line_index).map_or(text.len(), |&s| s as usize);
         let end = self.line_starts.get(line_index + 1).map_or(text.len(), |&s| s as usize);
@@ -66,7 +66,7 @@ impl Source {
     }
 }
 
-/// The nearest character boundary at or before a byte offset, inside the text.
+/// The last character boundary at or before a byte offset, clamped to the text.
 pub(crate) fn floor_boundary(text: &str, offset: usize) -> usize {
     let mut offset = offset.min(text.len());
     while !text.is_char_boundary(offset) {
@@ -75,12 +75,12 @@ pub(crate) fn floor_boundary(text: &str, offset: usize) -> usize {
     offset
 }
 
-/// Smaller texts are not worth packing. Only scenes that place hundreds of thousands of objects are
+/// Smaller texts are not worth packing. Only scenes with hundreds of thousands of objects are
 /// larger.
 const LARGE: usize = 16 << 20;
 
 /// Where the nodes of a document come from: the texts that were read for it, and the paths of nodes
-/// that were built in code.
+/// built in code.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     sources: Vec<Source>,
@@ -88,12 +88,13 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// No texts: the paths of nodes that were built in code.
+    /// No texts: the paths of nodes built in code.
     pub(crate) fn of_nodes(node_paths: NodePaths) -> Self {
         Self { sources: Vec::new(), node_paths }
     }
 
-    /// Keeps a text and names it. Offsets are 32 bits: what lies beyond four gigabytes has no place.
+    /// Adds a text with a name. Offsets are 32 bits, so positions beyond four gigabytes cannot be
+    /// expressed.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> SourceId {
         let text = text.into();
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
@@ -103,7 +104,7 @@ impl Sources {
         SourceId(u32::try_from(self.sources.len() - 1).unwrap_or(u32::MAX))
     }
 
-    /// The text behind an id; `None` for the id of another collection.
+    /// The text with this id; `None` for the id of another collection.
     pub fn get(&self, id: SourceId) -> Option<&Source> {
         self.sources.get(id.index())
     }
@@ -129,13 +130,13 @@ impl Sources {
         Location::Text { name: source.name.clone(), line: line_index + 1, column }
     }
 
-    /// The text of a span; empty where the span does not fit.
+    /// The text of a span; empty if the span is out of bounds.
     pub fn excerpt(&self, span: Span) -> String {
         let text = span.source().and_then(|id| self.get(id)).map(Source::text);
         text.as_deref().and_then(|text| text.get(span.range())).unwrap_or_default().to_owned()
     }
 
-    /// Compresses large texts, which are needed again only for excerpts. Nothing changes for callers,
+    /// Compresses large texts, which are needed again only for excerpts. Callers see no difference,
     /// except that [`Source::text`] then takes a second for each 300 MB.
     pub fn pack(&mut self) {
         for source in self.sources.iter_mut().filter(|source| source.length() >= LARGE) {
@@ -147,7 +148,7 @@ impl Sources {
         }
     }
 
-    /// Undoes [`Self::pack`] for one text, before many places in it are looked up.
+    /// Undoes [`Self::pack`] for one text, before many positions in it are looked up.
     pub fn unpack(&mut self, id: SourceId) {
         if let Some(source) = self.sources.get_mut(id.index())
             && let Text::Packed(packed) = &source.text

@@ -1,4 +1,4 @@
-//! Places that diagnostics point at: in a text, or at a node of a document built in code.
+//! Positions that diagnostics point at: in a text, or at a node of a document built in code.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use std::ops::Range;
 pub struct SourceId(pub(crate) u32);
 
 impl SourceId {
-    /// The position of this source in the order in which the texts were added.
+    /// The index of this source, in the order in which the texts were added.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -18,15 +18,15 @@ impl SourceId {
 pub struct NodeId(pub u32);
 
 impl NodeId {
-    /// The position in [`Document::nodes`](crate::Document::nodes).
+    /// The index in [`Document::nodes`](crate::Document::nodes).
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// A place: a byte range of a text, or a node that was built in code, where there is no text.
+/// A position: a byte range of a text, or a node built in code, which has no text.
 ///
-/// Twelve bytes, because a document of a million instances has three of them in each.
+/// Twelve bytes, because in a document of a million instances each node holds three spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span {
     /// The text, or [`IN_CODE`].
@@ -37,7 +37,7 @@ pub struct Span {
     end: u32,
 }
 
-/// Stands for the source of nodes that come from no text.
+/// The source of nodes that come from no text.
 const IN_CODE: u32 = u32::MAX;
 
 impl Span {
@@ -47,22 +47,23 @@ impl Span {
         Self { source: source.0, start: clamp(range.start), end: clamp(range.end) }
     }
 
-    /// The place of a node that was built in code.
+    /// The position of a node built in code.
     pub(crate) fn of_node(node: NodeId) -> Self {
         Self { source: IN_CODE, start: node.0, end: 0 }
     }
 
-    /// The place of an entry of such a node; `name` is its position among the names of the document.
+    /// The position of an entry of such a node; `name` is its index among the names of the
+    /// document.
     pub(crate) fn of_entry(node: NodeId, name: u32) -> Self {
         Self { source: IN_CODE, start: node.0, end: name.saturating_add(1) }
     }
 
-    /// The text; `None` for a node that was built in code.
+    /// The text; `None` for a node built in code.
     pub fn source(self) -> Option<SourceId> {
         (self.source != IN_CODE).then_some(SourceId(self.source))
     }
 
-    /// The bytes of the text; none for a node that was built in code.
+    /// The bytes of the text; empty for a node built in code.
     pub fn range(self) -> Range<usize> {
         match self.source() {
             Some(_) => self.start as usize..self.end as usize,
@@ -70,19 +71,19 @@ impl Span {
         }
     }
 
-    /// The node that was built in code; `None` for a place in a text.
+    /// The node built in code; `None` for a position in a text.
     pub fn node(self) -> Option<NodeId> {
         (self.source == IN_CODE).then_some(NodeId(self.start))
     }
 
-    /// The position of the name of the entry of [`Self::node`], if the place is no whole node.
+    /// The name index of the entry of [`Self::node`]; `None` if the position is a whole node.
     pub(crate) fn entry(self) -> Option<u32> {
         self.node()?;
         self.end.checked_sub(1)
     }
 }
 
-/// A place as people read it.
+/// A position in readable form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Location {
     /// In a text.
@@ -94,9 +95,9 @@ pub enum Location {
         /// In characters, counted from 1.
         column: usize,
     },
-    /// At a node that was built in code.
+    /// At a node built in code.
     Node {
-        /// The way from the root to the node and its entry: `scene.shapes[3].bsdf.alpha`.
+        /// The path from the root to the node and its entry: `scene.shapes[3].bsdf.alpha`.
         path: String,
     },
 }

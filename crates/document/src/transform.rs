@@ -1,13 +1,14 @@
-//! Transforms: which of them can be used, and the placement of cameras.
+//! Transforms: checks that they are usable, and the placement of cameras.
 
 use glam::{DMat3, DMat4, DVec3};
 
-/// Camera to world: the camera at `origin` looks along +z at `target`, y is as near to `up` as can be,
-/// and x points to the left of the picture. If `up` is zero, any direction will do.
+/// Camera to world: the camera at `origin` looks along +z at `target`, y is as close to `up` as
+/// possible, and x points to the left of the picture. If `up` is zero, an arbitrary up direction is
+/// chosen.
 ///
 /// # Errors
 ///
-/// If `target` is `origin` or `up` is parallel to the direction of view.
+/// If `target` is `origin` or `up` is parallel to the view direction.
 pub fn look_at_matrix(origin: DVec3, target: DVec3, up: DVec3) -> Result<DMat4, &'static str> {
     let Some(direction) = (target - origin).try_normalize() else {
         return Err("`origin` and `target` are the same point");
@@ -21,15 +22,15 @@ pub fn look_at_matrix(origin: DVec3, target: DVec3, up: DVec3) -> Result<DMat4, 
     Ok(DMat4::from_translation(origin) * DMat4::from_mat3(matrix))
 }
 
-/// How far the last row of an affine matrix may be from 0, 0, 0, 1, for the digits that exporters
-/// write.
+/// The tolerance for the last row (0, 0, 0, 1) of an affine matrix, because exporters round
+/// numbers.
 const AFFINE_TOLERANCE: f64 = 1e-4;
 
-/// If three unit columns span a smaller volume than this, it is rounding error.
+/// A smaller volume spanned by three unit columns is rounding error.
 const SINGULAR_VOLUME: f64 = 1e-12;
 
-/// Why a matrix cannot be used as the transformation `name`, if it cannot. Coordinates on a surface
-/// (`to_uv`) need not be invertible.
+/// Why a matrix is unusable as the transformation `name`, if it is. Texture transforms (`to_uv`)
+/// may be singular.
 pub fn transform_problem(name: &str, matrix: DMat4) -> Option<&'static str> {
     let is_planar = matches!(name, "to_uv" | "toUV");
     if !matrix.is_finite() {
@@ -49,7 +50,7 @@ pub(crate) fn is_affine(matrix: DMat4) -> bool {
         && (last.w - 1.0).abs() <= AFFINE_TOLERANCE
 }
 
-/// Whether a direction is lost. Independent of the scale, so that tiny objects are no fault.
+/// Whether the matrix is singular. The test is independent of scale, so tiny objects are accepted.
 fn is_singular(matrix: DMat4) -> bool {
     let linear = DMat3::from_mat4(matrix);
     let unit = |column: DVec3| column.normalize_or_zero();

@@ -1,4 +1,4 @@
-//! The values a parameter may have.
+//! The types of parameter values.
 
 use glam::{DAffine3, DMat4, DVec3, Vec3};
 
@@ -7,13 +7,13 @@ use crate::transform::{is_affine, look_at_matrix};
 
 /// A typed parameter value.
 ///
-/// `From` makes values of Rust's own types, so that [`Node::with`](crate::Node::with) takes those; what
-/// three numbers mean is said by [`rgb`], [`point`] or [`vector`].
+/// `From` converts Rust's own types, so that [`Node::with`](crate::Node::with) accepts them. For
+/// three numbers, [`rgb`], [`point`] or [`vector`] states their meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// True or false.
     Boolean(bool),
-    /// A whole number.
+    /// An integer.
     Integer(i64),
     /// A real number.
     Float(f64),
@@ -23,19 +23,19 @@ pub enum Value {
     Point(DVec3),
     /// A direction or a size.
     Vector(DVec3),
-    /// A colour in linear Rec. 709 (the primaries of sRGB), without a bound above.
+    /// A colour in linear Rec. 709 (the primaries of sRGB), unbounded above.
     Rgb(DVec3),
-    /// A quantity over wavelengths.
+    /// A quantity that varies with wavelength.
     Spectrum(SpectrumValue),
     /// The spectrum of a black body.
     Blackbody {
         /// In kelvin.
         temperature: f64,
-        /// A factor on the radiance.
+        /// A scale of the radiance.
         scale: f64,
     },
-    /// A transformation of column vectors, from the local space to the outer one. Stored in place,
-    /// although it is four times as large as anything else: a million boxes would each cost an
+    /// A transformation of column vectors, from local to outer space. It is stored inline although
+    /// it is four times as large as the other variants: a million boxes would each cost an
     /// allocation, and their memory would not return to the system with the document.
     Transform(DAffine3),
     /// The control points of a `<curve>`.
@@ -45,12 +45,12 @@ pub enum Value {
 }
 
 impl Value {
-    /// A transformation by a matrix whose last row is (0, 0, 0, 1); others are taken as if it were.
+    /// A transformation given by a matrix. The last row is assumed to be (0, 0, 0, 1).
     pub fn transform(matrix: DMat4) -> Self {
         Self::Transform(DAffine3::from_mat4(matrix))
     }
 
-    /// What the value is, with its article, for messages: "a number".
+    /// The value's type, with its article, for messages: "a number".
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Boolean(_) => "a boolean",
@@ -84,14 +84,14 @@ pub fn vector(coordinates: impl Into<DVec3>) -> Value {
     Value::Vector(coordinates.into())
 }
 
-/// The placement of a camera at `origin` that looks at `target`: see [`look_at_matrix`]. An impossible
-/// view becomes a transform that the document refuses.
+/// The placement of a camera at `origin` that looks at `target`: see [`look_at_matrix`]. An
+/// impossible view becomes a transform that the document rejects.
 pub fn look_at(origin: impl Into<DVec3>, target: impl Into<DVec3>, up: impl Into<DVec3>) -> Value {
     let matrix = look_at_matrix(origin.into(), target.into(), up.into());
     matrix.map_or(Value::Transform(DAffine3::NAN), Value::transform)
 }
 
-/// Implements `From` by an expression.
+/// Implements `From` with an expression.
 macro_rules! values_from {
     ($($from:ty: $name:ident => $value:expr),+ $(,)?) => {$(
         impl From<$from> for Value {
@@ -120,7 +120,7 @@ values_from! {
     Buffer: buffer => Self::Buffer(buffer),
 }
 
-/// A matrix that is not affine becomes a transformation without numbers, which a document refuses.
+/// A matrix that is not affine becomes NaN, which a document rejects.
 impl From<DMat4> for Value {
     fn from(matrix: DMat4) -> Self {
         let affine = DAffine3::from_mat4(matrix);
@@ -147,12 +147,12 @@ macro_rules! values_from_vectors {
 
 values_from_vectors!(u8, u16, u32, u64, i32, i64, half::f16, f32, f64);
 
-/// A quantity over wavelengths.
+/// A quantity that varies with wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpectrumValue {
     /// The same at every wavelength.
     Constant(f64),
-    /// Pairs of wavelength in nanometres and value, in ascending order of wavelength.
+    /// Pairs of wavelength in nanometres and value, by ascending wavelength.
     Samples(Vec<(f64, f64)>),
     /// The name of an `.spd` file as written; see [`crate::Document::resolve`].
     File(String),

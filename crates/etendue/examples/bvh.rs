@@ -1,4 +1,5 @@
-//! The bounding volume hierarchy alone: a tree over a sphere of triangles, and rays through it.
+//! The bounding volume hierarchy on its own: builds a tree over a sphere of triangles and traces
+//! rays.
 #![allow(clippy::disallowed_macros, reason = "an example prints")]
 
 use std::error::Error;
@@ -8,7 +9,7 @@ use etendue::bvh::{BuildOptions, Bvh, GeometryView, NoPrimitives, TriangleMeshVi
 use etendue::math::Ray;
 use etendue::math::glam::Vec3;
 
-/// Rings of vertices from pole to pole, two triangles for each square between them.
+/// Rings of vertices from pole to pole, with two triangles for each quad between them.
 fn sphere(rings: u32, columns: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let vertex = |ring: u32, column: u32| {
         let (polar, azimuth) =
@@ -28,10 +29,10 @@ fn sphere(rings: u32, columns: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 fn main() -> Result<(), Box<dyn Error>> {
     let (positions, indices) = sphere(64, 128);
     let mesh = TriangleMeshView { positions: &positions, indices: &indices };
-    // The tree copies what it needs: the mesh may go.
+    // The tree copies what it needs, so the mesh can be dropped.
     let bvh = Bvh::build(&[GeometryView::Triangles(mesh)], &BuildOptions::default())?;
 
-    // There are no primitives but triangles, so nobody has to intersect others.
+    // All primitives are triangles, so no callback for other shapes is needed.
     let towards = Ray::new(Vec3::new(0.1, 0.2, -3.0), Vec3::Z);
     let hit = bvh.intersect(&towards, &NoPrimitives).ok_or("the ray points at the sphere")?;
     println!(
@@ -42,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let past = Ray::new(Vec3::new(0.0, 1.5, -3.0), Vec3::Z);
     println!("a ray past the sphere is occluded: {}", bvh.occluded(&past, &NoPrimitives));
 
-    // Many rays at once are faster where they are alike.
+    // Tracing many rays at once is faster if they are coherent.
     let rays: Vec<Ray> = (0..10_000)
         .map(|index| {
             let (x, y) = ((index % 100) as f32, (index / 100) as f32);

@@ -1,7 +1,7 @@
-//! How long edits of a scene take: `edit SCENE.xml`.
+//! Measures how long edits of a scene take: `edit SCENE.xml`.
 //!
-//! For each kind of node that the scene has, one of its values is changed, and the scene built again
-//! from what has not changed.
+//! For each kind of node in the scene, it changes one value and rebuilds the scene, reusing what
+//! has not changed.
 #![allow(
     clippy::disallowed_macros,
     clippy::disallowed_methods,
@@ -16,7 +16,7 @@ use etendue::document::{Class, Document, FlatNode, NodeId, Value};
 use etendue::math::glam::{DAffine3, DVec3};
 use etendue::{Files, LoadedScene, SceneOptions, Workers, load};
 
-/// The best of this many runs counts: others may use the machine, too.
+/// The best of this many runs counts, because other processes may use the machine too.
 const RUNS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -75,7 +75,7 @@ fn milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
 }
 
-/// The document with another value in the first node of a class that has one to change.
+/// The document with one value changed, in the first node of a class that has a suitable one.
 fn changed(document: &Document, class: Class) -> Option<Document> {
     let mut document = document.clone();
     let of_class = document.nodes.iter_mut().filter(|node| node.class == class);
@@ -95,7 +95,7 @@ fn changed(document: &Document, class: Class) -> Option<Document> {
     Some(document)
 }
 
-/// The document with one more light.
+/// The document with an additional light.
 fn with_light(document: &Document) -> Document {
     let mut document = document.clone();
     let id = NodeId(document.nodes.len() as u32);
@@ -113,7 +113,7 @@ fn with_light(document: &Document) -> Document {
     document
 }
 
-/// The document without the last shape that stands in the scene.
+/// The document without its last top-level shape.
 fn without_last_shape(document: &Document) -> Document {
     let mut document = document.clone();
     let children = &document.nodes[document.root.index()].children;

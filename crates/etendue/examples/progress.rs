@@ -1,4 +1,4 @@
-//! Renders with news on the terminal, and stops when Enter is pressed or the time is over:
+//! Renders with progress on the terminal and stops when Enter is pressed or the time is up:
 //! `progress SCENE.xml [SECONDS]`.
 #![allow(
     clippy::disallowed_macros,
@@ -23,7 +23,7 @@ struct Terminal;
 impl Observer for Terminal {
     fn progress(&self, progress: &Progress) {
         let percent = 100.0 * progress.fraction();
-        // There is no estimate before the first sample.
+        // No estimate exists before the first sample.
         let left = progress.time_left().unwrap_or_default().as_secs_f64();
         eprint!("\r{percent:5.1} %, {left:.1} s left, {:.1e} samples/s ", progress.rate());
     }
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = arguments.next().ok_or("usage: progress SCENE.xml [SECONDS]")?;
     let seconds: f64 = arguments.next().map_or(Ok(10.0), |seconds| seconds.parse())?;
 
-    // Loading and rendering share one pool of threads.
+    // Loading and rendering share one thread pool.
     let workers = Workers::new(None)?;
     let folder = std::env::current_dir()?;
     let options = SceneOptions::default();
@@ -49,12 +49,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let time_limit = Some(Duration::try_from_secs_f64(seconds)?);
     let job = RenderJob::new(&scene, &RenderOptions { time_limit, ..RenderOptions::default() })?;
 
-    // Any thread may stop the render; what is done is kept.
+    // Any thread may stop the render; the samples so far are kept.
     let cancel = Cancel::new();
     let stop = cancel.clone();
     thread::spawn(move || {
         let mut line = String::new();
-        // At the end of the input nobody can press anything.
+        // At end of input, nobody can press Enter.
         if io::stdin().read_line(&mut line).is_ok_and(|length| length > 0) {
             stop.cancel();
         }

@@ -21,12 +21,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let extension = picture.extension().and_then(|extension| extension.to_str());
     let format = extension.and_then(FileFormat::from_extension).ok_or("no such picture format")?;
 
-    // Without a number, the scene's own sampler says how many samples a pixel gets.
+    // Without a count, the scene's sampler sets the samples per pixel.
     let samples_per_pixel = samples.first().map(|count| count.parse()).transpose()?;
     let options = RenderOptions { samples_per_pixel, ..RenderOptions::default() };
     let rendering = render_file(scene, &SceneOptions::default(), &options)?;
 
-    // The file is replaced by a whole one, or not at all.
+    // The file is replaced atomically.
     let bytes = rendering.encode(format)?;
     write_durably(picture, |file| file.write_all(&bytes))?;
     let seconds = rendering.statistics.duration.as_secs_f64();

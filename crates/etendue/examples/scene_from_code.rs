@@ -1,4 +1,5 @@
-//! A scene without a file: a mesh from arrays, a material, a light, a camera. Writes `octahedron.png`.
+//! A scene built without a file: a mesh from arrays, a material, a light and a camera. Writes
+//! `octahedron.png`.
 #![allow(clippy::disallowed_methods, reason = "an example is a host: it writes files")]
 
 use etendue::document::{Node, look_at, rgb};

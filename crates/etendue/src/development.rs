@@ -1,18 +1,19 @@
-//! How sums become a picture: what a film and a camera say about it, apart from the sums.
+//! How sums become a picture: the settings of film and camera, without the sums.
 //!
-//! It is written into checkpoints and parts, so that parts can be merged without their scene.
+//! These settings are stored in checkpoints and parts, so that parts can be merged without the
+//! scene.
 
 use etendue_image::{ExrPrecision, MetadataValue, ToneMap};
 use etendue_scene::SensorSetup;
 use etendue_scene::film::PixelFormat;
 
-/// What a picture's files need to know beside the sums.
+/// What is needed to develop sums into a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Development {
     pub(crate) pixel_format: PixelFormat,
     pub(crate) precision: ExrPrecision,
     pub(crate) tone_map: ToneMap,
-    /// Stops.
+    /// Exposure in stops.
     pub(crate) exposure: f32,
     /// Width and height of the whole film.
     pub(crate) film: [u32; 2],
@@ -49,8 +50,8 @@ impl Development {
     pub(crate) fn new(setup: &SensorSetup, scene_hash: &[u8; 32], seed: u64) -> Self {
         let film = &setup.film;
         let camera = setup.sensor.camera_matrices();
-        // OpenEXR's matrices are for row vectors, and so the transposes of glam's: written column
-        // by column they are right.
+        // OpenEXR matrices act on row vectors, so they are the transposes of glam's; writing them
+        // column by column gives the right order.
         Self {
             pixel_format: film.pixel_format,
             precision: film.component_format,
@@ -64,7 +65,7 @@ impl Development {
         }
     }
 
-    /// As texts, each under its name.
+    /// The settings as named strings.
     pub(crate) fn to_notes(&self) -> Vec<(String, String)> {
         let [width, height] = self.film;
         let notes = [
@@ -81,7 +82,7 @@ impl Development {
         notes.map(|(name, value)| (name.to_owned(), value)).into()
     }
 
-    /// From what [`Self::to_notes`] gave; `None` if something is missing or makes no sense.
+    /// Reads what [`Self::to_notes`] wrote; `None` if a setting is missing or invalid.
     pub(crate) fn from_notes(notes: &[(String, String)]) -> Option<Self> {
         let note = |name: &str| {
             notes.iter().find(|(other, _)| other == name).map(|(_, value)| value.as_str())
@@ -99,7 +100,7 @@ impl Development {
         })
     }
 
-    /// The attributes of a picture of so many samples per pixel, which took so many seconds.
+    /// The metadata of a picture with this many samples per pixel and this render time in seconds.
     pub(crate) fn metadata(
         &self,
         samples_per_pixel: u32,
@@ -110,7 +111,7 @@ impl Development {
         let entries = [
             ("software", text(format!("Etendue {}", env!("CARGO_PKG_VERSION")))),
             ("sceneHash", text(self.scene_hash.clone())),
-            // Header integers are 32 bits and signed, but seeds have 64.
+            // Header integers are 32-bit signed, but seeds are 64-bit.
             ("seed", text(self.seed.to_string())),
             ("samplesPerPixel", MetadataValue::Integer(count)),
             ("renderSeconds", MetadataValue::Float(seconds as f32)),
@@ -134,12 +135,12 @@ fn named<T: Copy>(names: &[Named<T>], name: &str) -> Option<T> {
     names.iter().find(|(other, _)| *other == name).map(|(_, value)| *value)
 }
 
-/// Numbers with all their digits.
+/// Numbers written with full precision.
 fn numbers(values: &[f32]) -> String {
     values.iter().map(f32::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// As many numbers as asked for, and no more.
+/// Exactly as many numbers as requested.
 fn parse<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let values: Option<Vec<T>> = text.split(' ').map(|value| value.parse().ok()).collect();
     values?.try_into().ok()

@@ -1,26 +1,26 @@
-//! What was found while a scene was loaded.
+//! The diagnostics of loading a scene.
 
 use std::fmt;
 
 use etendue_document::{Diagnostic, Diagnostics, Severity, Sources, Span, render_diagnostic};
 
-/// Everything that was found, with the texts that it was found in.
+/// All diagnostics, with the source texts they refer to.
 #[derive(Clone, Debug, Default)]
 pub struct DiagnosticReport {
-    /// By place: file by file, then down the page.
+    /// Sorted by file, then by position.
     pub list: Vec<Diagnostic>,
-    /// How many errors there are, those not kept included.
+    /// The number of errors, including those not kept.
     pub error_count: usize,
-    /// How many diagnostics were not kept.
+    /// The number of diagnostics not kept.
     pub omitted: usize,
-    /// The texts.
+    /// The source texts.
     pub sources: Sources,
 }
 
 impl DiagnosticReport {
     pub(crate) fn new(diagnostics: &Diagnostics, mut sources: Sources) -> Self {
         let list = diagnostics.sorted();
-        // Every excerpt would unpack a large text of its own.
+        // Otherwise each excerpt would unpack a large text again.
         let places = list.iter().flat_map(|found| {
             found.span.into_iter().chain(found.related.iter().map(|related| related.span))
         });
@@ -33,14 +33,14 @@ impl DiagnosticReport {
         }
     }
 
-    /// Whether anything forbids rendering.
+    /// Whether any diagnostic prevents rendering.
     pub fn has_errors(&self) -> bool {
         self.error_count > 0
     }
 }
 
 impl fmt::Display for DiagnosticReport {
-    /// The errors, each with its place and excerpt.
+    /// The errors, each with its position and excerpt.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let errors = self.list.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
         for error in errors {

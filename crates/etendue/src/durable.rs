@@ -1,4 +1,5 @@
-//! Files that are whole or not there, whatever happens: the process killed, the machine stopped.
+//! Atomic, durable file writes: a file is complete or absent even if the process is killed or the
+//! machine stops.
 #![allow(
     clippy::disallowed_methods,
     reason = "hosts choose this module when they want files to be written; nothing else calls it"
@@ -9,27 +10,27 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// How far a write has come. A process may be killed after any of these.
+/// How far a write has progressed. A process may be killed after any of these steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum WriteStep {
-    /// The temporary file is there, and empty.
+    /// The temporary file exists and is empty.
     Created,
-    /// All bytes are with the operating system.
+    /// The operating system has received all bytes.
     Written,
-    /// All bytes are on the disk.
+    /// All bytes are on disk.
     Synced,
-    /// The file has its name.
+    /// The file has been renamed.
     Renamed,
-    /// The name is on the disk.
+    /// The rename is on disk.
     Done,
 }
 
-/// Writes a file under a temporary name beside its place, brings it to the disk, renames it, and
-/// brings the name to the disk. At every moment the file is either what it was or complete.
+/// Writes a temporary file next to the target, syncs it to disk, renames it, and syncs the rename.
+/// At every moment the file is either unchanged or complete.
 ///
 /// # Errors
 ///
-/// What the operating system says; the file is then what it was.
+/// Returns the operating system's error; the file is then unchanged.
 pub fn write_durably(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -37,11 +38,12 @@ pub fn write_durably(
     write_durably_with(path, write, &|_| {})
 }
 
-/// The same, telling `reached` after every step, for tests that end the process there.
+/// Like [`write_durably`], but calls `reached` after every step, so that tests can end the process
+/// there.
 ///
 /// # Errors
 ///
-/// As [`write_durably`].
+/// Same as [`write_durably`].
 pub fn write_durably_with(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -54,7 +56,7 @@ pub fn write_durably_with(
         Ok(())
     });
     if let Err(error) = written {
-        // The first error is the one to report.
+        // Report the first error.
         let _ = fs::remove_file(&temporary);
         return Err(error);
     }
@@ -68,11 +70,12 @@ fn write_temporary(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     reached: &dyn Fn(WriteStep),
 ) -> io::Result<()> {
-    /// Large pieces cost few calls.
+    /// Large chunks need few calls.
     const BUFFER_BYTES: usize = 1 << 20;
 
     let file = File::create_new(temporary)?;
-    // While the lock is held, nobody takes the file for abandoned. Some file systems have none.
+    // While the lock is held, no other process treats the file as abandoned. Some file systems do
+    // not support locks.
     let _ = file.try_lock();
     reached(WriteStep::Created);
     let mut buffer = BufWriter::with_capacity(BUFFER_BYTES, file);
@@ -84,11 +87,11 @@ fn write_temporary(
     Ok(())
 }
 
-/// Removes a file for good; that there is none is no error.
+/// Deletes a file durably; a missing file is not an error.
 ///
 /// # Errors
 ///
-/// What the operating system says.
+/// Returns the operating system's error.
 pub fn remove_durably(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -97,8 +100,8 @@ pub fn remove_durably(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes temporary files of `path` that killed processes have left; a file that somebody still
-/// writes to stays. That some cannot be removed is of no consequence.
+/// Deletes temporary files of `path` left by killed processes. Files still being written stay.
+/// Failures are ignored.
 pub fn remove_abandoned(path: &Path) {
     let start = temporary_start(path);
     for entry in fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
@@ -112,13 +115,13 @@ pub fn remove_abandoned(path: &Path) {
     }
 }
 
-/// Brings the names in a file's folder to the disk.
+/// Syncs the folder of a file to disk.
 fn sync_folder(path: &Path) -> io::Result<()> {
-    // Other systems do not open folders, and keep names by themselves.
+    // Other systems cannot open folders and persist names themselves.
     if cfg!(unix) { File::open(folder_of(path))?.sync_all() } else { Ok(()) }
 }
 
-/// The folder of a file.
+/// The folder that contains a file.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -126,7 +129,7 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A hidden name in the file's folder that no other process of this machine uses.
+/// A hidden name in the file's folder that no other process on this machine uses.
 pub fn temporary_name(path: &Path) -> PathBuf {
     let mut name = temporary_start(path);
     name.push(format!("{}.tmp", std::process::id()));

@@ -1,4 +1,4 @@
-//! Edits: from a scene and a changed document to a scene that shares what has not changed.
+//! Edits: builds the scene of a changed document and shares what has not changed.
 
 use std::sync::Arc;
 
@@ -9,17 +9,17 @@ use crate::load::{self, Loaded};
 use crate::loaded_scene::{Input, LoadedScene};
 
 impl LoadedScene {
-    /// The scene of another document, mostly this one's [`Self::document`] with a few changes. The
-    /// options are those that this scene was loaded with.
+    /// Builds the scene of another document, usually this scene's [`Self::document`] with a few
+    /// changes. It uses the options this scene was loaded with.
     ///
-    /// The result is the scene that [`load_document`](crate::load_document) makes of the document,
-    /// to the bit. What has not changed is shared with this scene if it is
-    /// [editable](crate::SceneOptions::editable): geometry, pictures, grids, and the tree unless a
-    /// shape, an instance or its place has changed. A new sensor, film, integrator, material or light
-    /// then takes milliseconds. This scene stays as it is and may be rendered meanwhile.
+    /// The result is bit-identical to what [`load_document`](crate::load_document) makes of the
+    /// document. If this scene is [editable](crate::SceneOptions::editable), the new scene shares
+    /// what has not changed: geometry, pictures and grids, and the tree unless a shape, an instance
+    /// or its transform has changed. A new sensor, film, integrator, material or light then takes
+    /// milliseconds. This scene is not modified and may be rendered meanwhile.
     ///
-    /// Files on disk are taken to be unchanged; [`Self::forget_file`] and [`Self::forget_files`] say
-    /// otherwise.
+    /// Files on disk are assumed to be unchanged; call [`Self::forget_file`] or
+    /// [`Self::forget_files`] if they are not.
     ///
     /// ```
     /// use etendue::document::{MemoryResources, Value};

@@ -1,4 +1,4 @@
-//! Why there is no picture.
+//! Why a render failed.
 
 use std::fmt;
 use std::ops::Range;
@@ -8,31 +8,31 @@ use etendue_engine::{EngineError, Region};
 use crate::diagnostic_report::DiagnosticReport;
 use crate::options::SensorChoice;
 
-/// Why there is no picture.
+/// Why a render failed.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
     /// The scene cannot be loaded.
     Scene(Box<DiagnosticReport>),
-    /// The scene has no camera, or not the one asked for.
+    /// The scene has no camera, or not the requested one.
     Sensor {
-        /// The one asked for.
+        /// The requested camera.
         choice: SensorChoice,
-        /// What there is: the `id` of each, where it has one.
+        /// The existing cameras: the `id` of each, if it has one.
         available: Vec<Option<String>>,
     },
-    /// The part to render does not lie within the film.
+    /// The region to render does not lie within the film.
     Region {
-        /// The part.
+        /// The region.
         region: Region,
         /// The film's width and height in pixels.
         film: [u32; 2],
     },
-    /// The samples to take do not lie among those of the picture.
+    /// The requested samples are not among those of the picture.
     Samples {
-        /// The samples to take.
+        /// The requested samples.
         samples: Range<u32>,
-        /// How many the picture has.
+        /// The number of samples of the picture.
         planned: u32,
     },
     /// The render cannot be started.

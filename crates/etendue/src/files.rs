@@ -1,4 +1,5 @@
-//! Files on disk as [`Resources`]: the one place of the library that opens them, for hosts.
+//! Files on disk as [`Resources`]. This is the only place in the library that opens files for
+//! hosts.
 #![allow(
     clippy::disallowed_methods,
     reason = "hosts choose this module when they want files to be read; nothing else here calls it"
@@ -13,7 +14,7 @@ use etendue_document::{ResourceError, Resources};
 /// The files of this machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Files {
-    /// The greatest size of a file, in bytes.
+    /// The maximum size of a file in bytes.
     pub size_limit: u64,
 }
 
@@ -25,9 +26,9 @@ impl Default for Files {
 }
 
 impl Resources for Files {
-    /// Reads a regular file: pipes and devices may have no end.
+    /// Reads a regular file. Pipes and devices are refused because they may never end.
     fn read(&self, path: &Path) -> Result<Vec<u8>, ResourceError> {
-        // Pipes would block when opened, so the kind is asked before.
+        // Opening a pipe would block, so check the file type first.
         let metadata = fs::metadata(path).map_err(|error| resource_error(&error))?;
         if !metadata.is_file() {
             return Err(ResourceError::Other("not a file".to_owned()));
@@ -40,7 +41,7 @@ impl Resources for Files {
         bytes
             .try_reserve_exact(wanted)
             .map_err(|_| ResourceError::Other(format!("no memory for {wanted} bytes")))?;
-        // A file may grow while it is read, and some tell no size at all.
+        // A file may grow while it is read, and some report no size at all.
         let file = fs::File::open(path).map_err(|error| resource_error(&error))?;
         let read = file.take(self.size_limit + 1).read_to_end(&mut bytes);
         read.map_err(|error| resource_error(&error))?;

@@ -1,4 +1,4 @@
-//! The formats of scene files, and how the one of a file is found.
+//! The scene file formats and how the format of a file is detected.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -10,24 +10,25 @@ use etendue_mitsuba::LoadOptions;
 
 use crate::options::SceneOptions;
 
-/// A format of scene files: what makes a document of a text.
+/// A scene file format: how a text becomes a document.
 ///
-/// Whatever reads scenes becomes one of these, and one line in [`FORMATS`]. Hosts that make documents
-/// themselves need none: [`load_document`](crate::load_document) takes a document.
+/// A new scene reader implements this and adds one line to [`FORMATS`]. Hosts that build documents
+/// themselves need no format: [`load_document`](crate::load_document) takes a document.
 pub struct Format {
-    /// What people call it.
+    /// The format's display name.
     pub name: &'static str,
-    /// The extensions of its files, in lower case and without the dot.
+    /// Its file extensions, in lower case and without the dot.
     pub extensions: &'static [&'static str],
-    /// Whether a file that begins with these bytes, without white space before them, is of this format.
+    /// Whether a file that begins with these bytes, leading white space removed, is in this format.
     recognizes: fn(&[u8]) -> bool,
-    /// Reads a scene. A document comes back even where there were errors, as far as it could be read.
-    /// Where it is no scene at all, there are only the texts, for the excerpts of the diagnostics.
+    /// Reads a scene. Even with errors, it returns a document that holds what could be read. If the
+    /// input is not a scene at all, it returns only the source texts, for the excerpts of the
+    /// diagnostics.
     read: fn(&SceneSource<'_>, &ReadContext<'_>) -> Result<Document, Sources>,
 }
 
-/// Every format that can be read, in the order in which they are tried. A file that none recognizes
-/// is read as the first, which says what is wrong with it.
+/// All readable formats, in the order in which they are tried. A file that none recognises is read
+/// as the first format, whose reader reports what is wrong.
 pub static FORMATS: &[Format] = &[Format {
     name: "Mitsuba XML",
     extensions: &["xml"],
@@ -37,22 +38,22 @@ pub static FORMATS: &[Format] = &[Format {
 
 /// Where a scene comes from.
 pub(crate) enum SceneSource<'a> {
-    /// A file, whose folder is where the files that it names are sought first.
+    /// A file. The files it names are looked up first in its folder.
     File(&'a Path),
     /// A text.
     Text(&'a str),
 }
 
-/// What a scene is read with.
+/// The context for reading a scene.
 pub(crate) struct ReadContext<'a> {
     pub(crate) resources: &'a dyn Resources,
-    /// Where relative paths start.
+    /// The base of relative paths.
     pub(crate) working_directory: &'a Path,
     pub(crate) options: &'a SceneOptions,
     pub(crate) diagnostics: &'a Diagnostics,
 }
 
-/// A kind of file that people take for a scene, or that is one which cannot be read yet.
+/// A kind of file that may be mistaken for a scene, or a scene format that is not supported yet.
 struct OtherKind {
     /// With its article, for messages.
     name: &'static str,
@@ -61,15 +62,15 @@ struct OtherKind {
     help: &'static str,
 }
 
-/// What tells a kind of file.
+/// How a kind of file is recognised.
 enum Mark {
-    /// The bytes that it begins with.
+    /// The bytes the file begins with.
     Start(&'static [u8]),
-    /// The extension of its name.
+    /// The file name extension.
     Extension(&'static str),
 }
 
-/// A line of [`OTHER_KINDS`].
+/// A row of [`OTHER_KINDS`].
 const fn other(name: &'static str, mark: Mark, help: &'static str) -> OtherKind {
     OtherKind { name, mark, help }
 }
@@ -100,7 +101,8 @@ static OTHER_KINDS: &[OtherKind] = &[
     other("a checkpoint or a part of a render", Mark::Start(b"etendue sums"), SUMS_HELP),
 ];
 
-/// Reads a scene in the format that it is in. A file is read once, whoever looks at its first bytes.
+/// Detects the format of a scene and reads it. Each file is read only once, even if its first bytes
+/// are inspected.
 pub(crate) fn read(
     source: &SceneSource<'_>,
     context: &ReadContext<'_>,
@@ -108,7 +110,7 @@ pub(crate) fn read(
     match source {
         SceneSource::File(path) => {
             let whole_path = context.working_directory.join(path);
-            // What cannot be read is reported by whoever reads it in earnest.
+            // The format's reader reports unreadable files.
             let bytes = context.resources.read(&whole_path).ok();
             let format = find_format(path, bytes.as_deref(), context)?;
             let ahead = ReadAhead::new(context.resources, whole_path, bytes);
@@ -121,8 +123,8 @@ pub(crate) fn read(
     }
 }
 
-/// The format of a file by its first bytes, or else by its extension. What is known to be something
-/// else is reported.
+/// Detects the format of a file by its first bytes, or else by its extension. Reports files of
+/// other known kinds.
 fn find_format(
     path: &Path,
     bytes: Option<&[u8]>,
@@ -176,7 +178,7 @@ fn read_mitsuba(source: &SceneSource<'_>, context: &ReadContext<'_>) -> Result<D
     }
 }
 
-/// Resources of which one file has been read: whoever reads it first gets those bytes.
+/// Resources with one file already in memory: the first read of that file returns those bytes.
 struct ReadAhead<'a> {
     resources: &'a dyn Resources,
     path: PathBuf,

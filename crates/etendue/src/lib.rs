@@ -1,7 +1,7 @@
 //! A physically based path tracer: the library.
 //!
-//! [`render_file`] is the whole way on one page: read a scene, render it, return the picture with
-//! its layers, its metadata and the [`Statistics`].
+//! [`render_file`] shows the whole process on one page: read a scene, render it, and return the
+//! picture with its layers, metadata and [`Statistics`].
 //!
 //! ```
 //! use etendue::{RenderOptions, SceneOptions, render_text};
@@ -26,18 +26,18 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!
-//! [`render_node`] does the same for a scene that is built in code from [`document::Node`]s, whose meshes and
-//! pictures may be arrays in memory: see `examples/scene_from_code.rs`.
+//! [`render_node`] does the same for a scene built in code from [`document::Node`]s, whose meshes
+//! and pictures may be arrays in memory: see `examples/scene_from_code.rs`.
 //!
 //! # In steps
 //!
-//! The same in steps, with news and a way to stop, is what the command line does:
+//! The command line runs the same steps one by one, with progress and a way to stop:
 //!
 //! 1. [`Workers::new`] starts the threads; everything below runs on them.
-//! 2. [`load`] reads a scene file through [`Resources`] (such as [`Files`]); [`load_document`] takes
-//!    a [`Document`](document::Document) that was made in code. [`Loaded::diagnostics`] has every
-//!    error and warning with its place. [`LoadedScene::edited`] makes a scene of a changed document
-//!    and shares what has not changed.
+//! 2. [`load`] reads a scene file through [`Resources`] (such as [`Files`]); [`load_document`]
+//!    takes a [`Document`](document::Document) built in code. [`Loaded::diagnostics`] holds every
+//!    error and warning with its position. [`LoadedScene::edited`] builds the scene of a changed
+//!    document and shares what has not changed.
 //! 3. [`RenderJob::new`] chooses a camera and a budget.
 //! 4. [`RenderJob::render`] renders, tells an [`Observer`], obeys a [`Cancel`], and returns a
 //!    [`Rendering`].
@@ -48,7 +48,7 @@
 //!
 //! # Parts
 //!
-//! Every part is a crate of its own and can be used alone; they are re-exported here: [`document`]
+//! Every part is a separate crate that can be used alone. All are re-exported here: [`document`]
 //! and [`mitsuba`] (scenes as text), [`scene`] (the frozen scene and its plugins), [`integrators`],
 //! [`engine`], [`image`] (bitmaps, codecs, metrics), [`mesh`], [`bvh`], [`sampling`], [`spectrum`],
 //! [`math`].
@@ -98,7 +98,7 @@ pub use render_job::{RenderJob, render_file, render_node, render_text};
 pub use rendering::Rendering;
 pub use sums_file::SumsFile;
 
-/// Compiles the example of the README as a documentation test.
+/// Compiles the README's example as a documentation test.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! From a scene file, a text or a document to a scene that can be rendered.
+//! Loading: from a scene file, a text or a document to a scene that can be rendered.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,17 +14,17 @@ use crate::format::{self, ReadContext, SceneSource};
 use crate::loaded_scene::{Input, LoadedScene};
 use crate::options::SceneOptions;
 
-/// What comes of loading a scene.
+/// The result of loading a scene.
 pub struct Loaded {
-    /// What there is to render; `None` if there were errors.
+    /// The scene; `None` if there were errors.
     pub scene: Option<LoadedScene>,
     /// Errors and warnings.
     pub diagnostics: DiagnosticReport,
-    /// How long it took.
+    /// How long loading took.
     pub times: LoadTimes,
 }
 
-/// Wall time of loading, by part.
+/// Wall time of loading, by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LoadTimes {
     /// From text to document.
@@ -33,12 +33,12 @@ pub struct LoadTimes {
     pub scene: Duration,
 }
 
-/// Reads a scene file with everything that it names. The [`Format`](crate::Format) is found by the
+/// Reads a scene file and everything it names. The [`Format`](crate::Format) is detected by the
 /// first bytes of the file, or else by its extension.
 ///
-/// Errors do not end it early where it can go on, so that one run finds them all. Parallel parts
-/// run on the current thread pool: call it within [`crate::Workers::run`]. Relative paths start at
-/// `working_directory`.
+/// Loading continues after an error where it can, so that one run reports them all. Parallel parts
+/// run on the current thread pool: call this within [`crate::Workers::run`]. Relative paths start
+/// at `working_directory`.
 pub fn load(
     path: &Path,
     working_directory: PathBuf,
@@ -48,7 +48,7 @@ pub fn load(
     load_source(&SceneSource::File(path), &working_directory, resources, options)
 }
 
-/// The same for a scene in memory. The files that it names are sought in `working_directory`.
+/// Like [`load`], for a scene in memory. The files it names are looked up in `working_directory`.
 pub fn load_text(
     text: &str,
     working_directory: PathBuf,
@@ -58,7 +58,7 @@ pub fn load_text(
     load_source(&SceneSource::Text(text), &working_directory, resources, options)
 }
 
-/// The same for a scene that was built in code. The files that it names are sought in
+/// Like [`load`], for a scene built in code. The files it names are looked up in
 /// `working_directory`, and diagnostics name nodes by their paths.
 pub fn load_node(
     scene: Node,
@@ -74,7 +74,7 @@ pub fn load_node(
     })
 }
 
-/// The same for a document that was made in code, or changed after it was read.
+/// Like [`load`], for a document built in code, or changed after it was read.
 pub fn load_document(
     document: impl Into<Arc<Document>>,
     resources: &dyn Resources,
@@ -85,7 +85,7 @@ pub fn load_document(
     build(input, resources, &Arc::new(options.clone()))
 }
 
-/// Builds the scene of a document that is there already.
+/// Builds the scene of an existing document.
 pub(crate) fn build(
     input: Input,
     resources: &dyn Resources,

@@ -1,4 +1,4 @@
-//! A scene that can be rendered, and what its edits need of it.
+//! A scene that can be rendered, and what its edits reuse.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,21 +9,21 @@ use etendue_scene::{AssetCache, BuildOptions, Identity, Scene, SceneInput, gathe
 
 use crate::options::SceneOptions;
 
-/// A scene and how its light is computed. Clones are cheap and share everything.
+/// A scene and its integrator. Clones are cheap and share everything.
 #[derive(Clone)]
 pub struct LoadedScene {
-    /// What light meets.
+    /// The scene.
     pub scene: Arc<Scene>,
-    /// How it is computed.
+    /// The integrator.
     pub integrator: Arc<dyn Integrator>,
-    /// What the user decided over what the scene says, by name: with the scene's own hash it tells
-    /// whether two renders are of the same picture.
+    /// The user's choices that override the scene's, by name. Together with the scene's hash, they
+    /// tell whether two renders are of the same picture.
     pub settings: Arc<[(String, String)]>,
     pub(crate) options: Arc<SceneOptions>,
     pub(crate) editable: Option<Editable>,
 }
 
-/// What an edit needs of the scene before.
+/// What an edit needs from the previous scene.
 #[derive(Clone)]
 pub(crate) struct Editable {
     document: Arc<Document>,
@@ -34,26 +34,25 @@ pub(crate) struct Editable {
 pub(crate) struct Input {
     pub(crate) document: Arc<Document>,
     pub(crate) identity: Identity,
-    /// Where there is one, the document is kept, too.
+    /// If present, the document is kept too.
     pub(crate) cache: Option<Arc<AssetCache>>,
 }
 
 impl LoadedScene {
-    /// The document that the scene was built from, if [`SceneOptions::editable`] asked for it to be
-    /// kept.
+    /// The document the scene was built from, if [`SceneOptions::editable`] asked to keep it.
     pub fn document(&self) -> Option<&Arc<Document>> {
         self.editable.as_ref().map(|editable| &editable.document)
     }
 
-    /// What to do when a file has changed: the next edit reads it again. `path` is where the scene's
-    /// names lead, which is absolute if the scene's working directory was.
+    /// Call this when a file has changed: the next edit reads it again. `path` is the path the
+    /// scene's file name resolves to, which is absolute if the scene's working directory was.
     pub fn forget_file(&self, path: &Path) {
         if let Some(editable) = &self.editable {
             editable.cache.forget_file(&normalise(path));
         }
     }
 
-    /// What to do when any file may have changed: the next edit reads all of them again.
+    /// Call this when any file may have changed: the next edit reads all of them again.
     pub fn forget_files(&self) {
         if let Some(editable) = &self.editable {
             editable.cache.forget_all();
@@ -62,7 +61,7 @@ impl LoadedScene {
 }
 
 impl Input {
-    /// Builds what there is to render; returns the texts that it was read from, too.
+    /// Builds the scene and the integrator; also returns the source texts.
     pub(crate) fn build(
         self,
         resources: &dyn Resources,
@@ -74,12 +73,13 @@ impl Input {
             return (None, document.sources.clone());
         }
         let input = SceneInput { document: &document, resources, identity, cache: cache.as_ref() };
-        // Both, whatever becomes of the first: one run finds the mistakes of both.
+        // Build both even if the first fails, so that one run reports the errors of both.
         let gathered = gather_scene(&input, diagnostics, &options.build);
         let integrator = build_integrator(&document, &options.integrator, diagnostics);
         let kept = Arc::clone(&document);
         let editable = cache.map(|cache| Editable { document: kept, cache });
-        // Of a million instances, the document would stand beside the tree while that is built.
+        // With a million instances, keeping the document would add to the peak memory of the tree
+        // build.
         let sources = match Arc::try_unwrap(document) {
             Ok(document) => document.into_sources(),
             Err(shared) => shared.sources.clone(),
@@ -96,11 +96,12 @@ impl Input {
     }
 }
 
-/// What changes the picture. Where files are sought does not: their content is in the scene's hash.
+/// The options that change the picture. Search paths do not; the content of files is in the scene's
+/// hash.
 fn settings(options: &SceneOptions) -> Vec<(String, String)> {
-    // Which instructions rays use does not change the hits.
+    // The instruction set used for rays does not change the hits.
     let build = BuildOptions { tier: None, ..options.build.clone() };
-    // As the compiler writes them out, so that an option that is added is not forgotten here.
+    // Use the derived `Debug` output, so that new options are included automatically.
     let settings = [
         ("definitions", format!("{:?}", options.defines)),
         ("scene options", format!("{build:?}")),

@@ -1,4 +1,4 @@
-//! Parts of a picture, rendered apart, put together.
+//! Merges parts of a picture that were rendered separately.
 
 use std::fmt;
 use std::ops::Range;
@@ -23,28 +23,28 @@ pub enum MergeError {
     Different([PathBuf; 2], Vec<Difference>),
     /// Two parts hold the same samples.
     Overlap([PathBuf; 2], Range<u32>),
-    /// A part is not finished: it is a checkpoint, to be resumed.
+    /// A part is unfinished: it is a checkpoint that must be resumed.
     Unfinished(PathBuf),
     /// No part holds these samples.
     Missing(Vec<Range<u32>>),
 }
 
-/// Whether the picture may be made without all of its samples.
+/// Whether a picture may be made from incomplete samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Missing {
-    /// Every planned sample must be there.
+    /// Every planned sample must be present.
     #[default]
     Refused,
-    /// What is there makes a picture, with more noise.
+    /// Use the samples that are present; the picture has more noise.
     Allowed,
 }
 
-/// What parts add up to.
+/// The result of merging parts.
 #[derive(Debug)]
 pub struct Merged {
     /// The sums.
     pub film: FilmSums,
-    /// What is known about them.
+    /// The metadata of the sums.
     pub record: FilmRecord,
     /// The planned samples that no part holds.
     pub missing: Vec<Range<u32>>,
@@ -67,13 +67,13 @@ impl Part<'_> {
     }
 }
 
-/// Merges parts of one picture, whatever their order. Headers are compared before any sums are
-/// read; then two films at a time are in memory, each of at most `memory_limit` bytes.
+/// Merges parts of one picture in any order. Headers are compared before any sums are read. After
+/// that, two films at a time are in memory, each of at most `memory_limit` bytes.
 ///
 /// # Errors
 ///
 /// [`MergeError`] if a part cannot be read, is of another picture, is unfinished or overlaps
-/// another one; and if samples are missing, unless that is allowed.
+/// another one, or if samples are missing and that is not allowed.
 pub fn merge(
     files: &[SumsFile],
     missing: Missing,
@@ -149,14 +149,15 @@ fn find_gaps(parts: &[Part<'_>]) -> Result<Vec<Range<u32>>, MergeError> {
 }
 
 impl Merged {
-    /// The picture; `None` if a part does not say how it is to be made, as those of this version do.
+    /// The picture; `None` if a part lacks its development settings. Parts written by this version
+    /// have them.
     pub fn develop(&self) -> Option<Rendering> {
         let development = Development::from_notes(&self.record.notes)?;
         let seconds = self.record.seconds;
         let statistics = Statistics {
             samples: self.film.sample_count(),
             samples_per_pixel: self.film.samples_per_pixel(),
-            // A file may claim any time; what is no duration is shown as none.
+            // A file may claim any time; an invalid duration is treated as none.
             duration: Duration::try_from_secs_f64(seconds).unwrap_or_default(),
             defects: self.film.defects(),
             ..Statistics::default()

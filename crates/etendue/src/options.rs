@@ -1,4 +1,4 @@
-//! What a user decides over what the scene file says.
+//! The user's choices that override the scene file.
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -12,81 +12,83 @@ use etendue_scene::BuildOptions;
 /// How a scene file becomes a scene.
 #[derive(Clone, Debug, Default)]
 pub struct SceneOptions {
-    /// Values for `$name`, over the scene's own defaults.
+    /// Values for `$name`, which override the scene's defaults.
     pub defines: Vec<(String, String)>,
-    /// Folders in which files are looked for, beside the scene's own.
+    /// Additional folders in which files are looked up.
     pub search_paths: Vec<PathBuf>,
-    /// Film, filter, and what to do about missing files.
+    /// Film, filter, and the handling of missing files.
     pub build: BuildOptions,
-    /// How light is computed.
+    /// Options of the integrators.
     pub integrator: IntegratorOptions,
     /// Whether unknown parameters are errors rather than warnings.
     pub strict: bool,
-    /// Whether the scene keeps its document, and what it was made of, for quick
-    /// [edits](crate::LoadedScene::edited). Without, the document makes room before the tree is built.
+    /// Whether the scene keeps its document and intermediate results for quick
+    /// [edits](crate::LoadedScene::edited). Otherwise the document is freed before the tree is
+    /// built.
     pub editable: bool,
 }
 
 /// How a scene is rendered.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderOptions {
-    /// Which of the scene's cameras.
+    /// Which camera of the scene.
     pub sensor: SensorChoice,
-    /// The part of the camera's film that is rendered, instead of the part that the scene says.
+    /// The region of the camera's film to render, instead of the scene's.
     pub region: Option<Region>,
-    /// Samples for every pixel; if neither this nor a time is given, what the scene's sampler says.
+    /// Samples per pixel. If neither this nor a time is given, the scene's sampler decides.
     pub samples_per_pixel: Option<u32>,
-    /// Which of the samples to take, as a part of a picture; `None` for all.
+    /// Which of the samples to take when rendering a part of a picture; `None` for all.
     pub samples: Option<SampleChoice>,
-    /// How many samples the sampler spreads, where they are more or fewer than are taken: a render
-    /// that goes on keeps the plan that it began with.
+    /// How many samples the sampler distributes, if not as many as are taken: a resumed render
+    /// keeps its original plan.
     pub planned_samples: Option<u32>,
-    /// Wall time from the first ray; with a number of samples too, what comes first ends it.
+    /// Wall time limit, counted from the first ray. With a sample count too, whichever is reached
+    /// first ends the render.
     pub time_limit: Option<Duration>,
-    /// Chooses the random numbers; `None` for the seed of the scene's sampler.
+    /// The seed of the random numbers; `None` for the seed of the scene's sampler.
     pub seed: Option<u64>,
-    /// `None` for one per processor. The picture does not depend on it.
+    /// The number of threads; `None` for one per processor. The picture does not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Whether the variance of every pixel's mean is added, as the layers `variance.R`, `.G`, `.B`.
+    /// Whether to add the variance of every pixel's mean as the channels `variance.R`, `.G`, `.B`.
     pub variance: bool,
-    /// The bytes of memory that the film may take; `None` for [`DEFAULT_MEMORY_LIMIT`].
+    /// The maximum memory of the film in bytes; `None` for [`DEFAULT_MEMORY_LIMIT`].
     pub memory_limit: Option<u64>,
 }
 
-/// What a film may take where nobody says otherwise: 16 GiB.
+/// The default memory limit of the film: 16 GiB.
 pub const DEFAULT_MEMORY_LIMIT: u64 = 16 << 30;
 
-/// Which of a scene's cameras.
+/// Selects one of a scene's cameras.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SensorChoice {
-    /// By its place in the file, from 0.
+    /// By its position in the file, from 0.
     Index(usize),
     /// By its `id`.
     Id(String),
 }
 
-/// Which of the samples that every pixel is planned to have.
+/// Selects some of the planned samples per pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SampleChoice {
-    /// Those with these indices.
+    /// The samples with these indices.
     Indices(Range<u32>),
-    /// One of so many parts of nearly the same size.
+    /// One of several parts of nearly equal size.
     Part {
-        /// Which one, from 1.
+        /// The number of this part, from 1.
         number: u32,
-        /// How many there are.
+        /// The number of parts.
         count: u32,
     },
 }
 
 impl SampleChoice {
-    /// The indices; empty where there are more parts than samples.
+    /// The sample indices; empty if there are more parts than samples.
     #[must_use]
     pub fn indices(&self, planned: u32) -> Range<u32> {
         match self {
             Self::Indices(indices) => indices.clone(),
             Self::Part { number, count } => {
-                // Below `planned` as long as the number is at most the count.
+                // Below `planned` as long as the part number is at most the part count.
                 let end = |number: u32| {
                     let end = u64::from(planned) * u64::from(number) / u64::from((*count).max(1));
                     u32::try_from(end).unwrap_or(u32::MAX)
@@ -98,14 +100,14 @@ impl SampleChoice {
 }
 
 impl Default for SensorChoice {
-    /// The first one.
+    /// The first camera.
     fn default() -> Self {
         Self::Index(0)
     }
 }
 
 impl From<&str> for SensorChoice {
-    /// A number is a place in the file, everything else an `id`.
+    /// A number is a position in the file; anything else is an `id`.
     fn from(text: &str) -> Self {
         text.parse().map_or_else(|_| Self::Id(text.to_owned()), Self::Index)
     }

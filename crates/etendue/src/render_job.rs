@@ -1,4 +1,4 @@
-//! One camera of one scene, rendered.
+//! Rendering one camera of one scene.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,9 +19,9 @@ use crate::loaded_scene::LoadedScene;
 use crate::options::{DEFAULT_MEMORY_LIMIT, RenderOptions, SceneOptions, SensorChoice};
 use crate::rendering::Rendering;
 
-/// Reads a scene file from disk and renders it: the whole way on one page.
+/// Reads a scene file from disk and renders it: the whole process on one page.
 ///
-/// Relative paths start at the current folder. Warnings are dropped here; [`load`] keeps them.
+/// Relative paths start at the current folder. Warnings are dropped here; [`load`] returns them.
 ///
 /// # Errors
 ///
@@ -37,11 +37,11 @@ pub fn render_file(
     render_loaded(options, || load(path, folder, &files, scene_options))
 }
 
-/// Renders a scene that is a text. It cannot name files.
+/// Renders a scene given as text. The text cannot name files.
 ///
 /// # Errors
 ///
-/// As [`render_file`].
+/// Same as [`render_file`].
 pub fn render_text(
     text: &str,
     scene_options: &SceneOptions,
@@ -51,11 +51,11 @@ pub fn render_text(
     render_loaded(options, || load_text(text, PathBuf::new(), nothing, scene_options))
 }
 
-/// Renders a scene that was built in code. Files that it names are sought in the current folder.
+/// Renders a scene built in code. Files that it names are looked up in the current folder.
 ///
 /// # Errors
 ///
-/// As [`render_file`].
+/// Same as [`render_file`].
 pub fn render_node(
     scene: Node,
     scene_options: &SceneOptions,
@@ -76,7 +76,7 @@ fn render_loaded(
     RenderJob::new(&scene, options)?.render(&workers, &Silent, &Cancel::new())
 }
 
-/// A camera that is ready to render. It owns a share of its scene.
+/// A camera that is ready to render. It shares ownership of its scene.
 #[derive(Clone)]
 pub struct RenderJob {
     camera: Camera,
@@ -87,16 +87,16 @@ pub struct RenderJob {
 }
 
 impl RenderJob {
-    /// Chooses a camera of the scene and what to spend on it.
+    /// Selects a camera of the scene and its budget.
     ///
     /// # Errors
     ///
-    /// [`Error::Sensor`] if there is no such camera; [`Error::Region`] if the part to render does
-    /// not lie within its film; [`Error::Samples`] if the samples do not lie within the plan.
+    /// [`Error::Sensor`] if there is no such camera; [`Error::Region`] if the region to render does
+    /// not lie within its film; [`Error::Samples`] if the samples are not among those planned.
     pub fn new(scene: &LoadedScene, options: &RenderOptions) -> Result<Self, Error> {
         let (sensor_index, setup) = find_sensor(scene, &options.sensor)?;
         let own_count = setup.sampler.rounded_sample_count();
-        // A time alone means as many samples as it has room for.
+        // A time limit alone means an unlimited number of samples.
         let default_count = options.time_limit.is_none().then_some(own_count);
         let count = options.samples_per_pixel.or(default_count);
         let planned = options.planned_samples.or(count).unwrap_or(own_count);
@@ -128,28 +128,28 @@ impl RenderJob {
         Ok(Self { camera, scene: scene.clone(), sensor_index, job, planned_samples: planned })
     }
 
-    /// Where its samples come from, for replaying one.
+    /// The source of its samples, to replay one of them.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// The pixels that are rendered and the budget they are given.
+    /// The region to render and its budget.
     pub fn job(&self) -> &Job {
         &self.job
     }
 
-    /// The camera, its film and its sampler, as the scene says.
+    /// The camera with its film and its sampler, as described by the scene.
     pub fn setup(&self) -> &SensorSetup {
         self.camera.setup()
     }
 
-    /// The bytes of memory that the film and the finished picture take; the scene has its own.
+    /// The memory in bytes of the film and the finished picture, without the scene.
     pub fn memory_needed(&self) -> u64 {
         FilmSums::memory_needed(&self.job, &self.camera)
     }
 
-    /// Everything that decides the picture, by name. Sums of two renders belong together if these
-    /// are equal.
+    /// Everything that determines the picture, by name. The sums of two renders can be combined if
+    /// these are equal.
     pub fn identity(&self) -> Vec<(String, String)> {
         let sampler = self.camera.sampler();
         let Region { x, y, width, height } = self.job.region;
@@ -171,7 +171,7 @@ impl RenderJob {
         own.into_iter().chain(self.scene.settings.iter().cloned()).collect()
     }
 
-    /// What a file says about sums of this job that took so long.
+    /// The metadata stored with this job's sums, which took this long.
     pub fn record(&self, seconds: f64) -> FilmRecord {
         FilmRecord {
             identity: self.identity(),
@@ -186,11 +186,11 @@ impl RenderJob {
         Development::new(self.setup(), &hash, self.camera.sampler().seed())
     }
 
-    /// Sums without samples.
+    /// A film without samples.
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if they would take too much memory.
+    /// [`Error::Engine`] if it would need too much memory.
     pub fn new_film(&self, workers: &Workers) -> Result<FilmSums, Error> {
         Ok(FilmSums::new(&self.job, &self.camera, workers.thread_count())?)
     }
@@ -219,7 +219,7 @@ impl RenderJob {
     ///
     /// # Errors
     ///
-    /// [`Error::Engine`] if it cannot be started.
+    /// [`Error::Engine`] if the render cannot start.
     pub fn render_into(
         &self,
         film: &FilmSums,
@@ -231,7 +231,8 @@ impl RenderJob {
         Ok(render_into(&self.camera, film, self.job.budget, &host)?)
     }
 
-    /// The picture of sums of this job; `seconds` is the wall time of all runs that made them.
+    /// Develops the sums of this job into a picture; `seconds` is the wall time of all runs that
+    /// contributed.
     pub fn develop(&self, film: &FilmSums, statistics: Statistics, seconds: f64) -> Rendering {
         Rendering::new(film, statistics, &self.development(), seconds)
     }
@@ -273,7 +274,7 @@ fn find_sensor<'a>(
     })
 }
 
-/// The part of the film that is rendered.
+/// The region of the film to render.
 fn find_region(setup: &SensorSetup, asked: Option<Region>) -> Result<Region, Error> {
     let crop = setup.film.crop;
     let own = Region { x: crop.x, y: crop.y, width: crop.width, height: crop.height };

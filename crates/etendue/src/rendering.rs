@@ -1,4 +1,4 @@
-//! A finished picture with what is known about how it came to be.
+//! A finished picture with its metadata and statistics.
 
 use etendue_engine::{Channels, FilmSums, Statistics};
 use etendue_image::{EncodeOptions, ExrPrecision, FileFormat, ImageError, Picture, Window, encode};
@@ -10,21 +10,20 @@ use crate::development::Development;
 /// A finished picture.
 #[derive(Clone, Debug)]
 pub struct Rendering {
-    /// The channels that the film asks for, then the integrator's layers, then variances; with
-    /// metadata.
+    /// The channels requested by the film, then the integrator's, then variances; with metadata.
     ///
     /// Colours are linear Rec. 709 in `R`, `G`, `B`, or luminance in `Y`.
     pub picture: Picture,
-    /// Whether OpenEXR files of it are to be in CIE XYZ instead.
+    /// Whether OpenEXR files of it are written in CIE XYZ instead.
     pub wants_xyz: bool,
-    /// How the film says that files are written: numbers, exposure, tone mapping.
+    /// The film's output settings: number format, exposure, tone mapping.
     pub encoding: EncodeOptions,
-    /// What it took.
+    /// The render statistics.
     pub statistics: Statistics,
 }
 
 impl Rendering {
-    /// Makes a picture of sums; `seconds` is the wall time of all runs that made them.
+    /// Develops sums into a picture; `seconds` is the wall time of all runs that contributed.
     pub(crate) fn new(
         film: &FilmSums,
         statistics: Statistics,
@@ -51,11 +50,11 @@ impl Rendering {
         Self { picture, wants_xyz, encoding, statistics }
     }
 
-    /// The bytes of a picture file.
+    /// Encodes the picture as a file.
     ///
     /// # Errors
     ///
-    /// [`ImageError`] if the picture does not fit the format.
+    /// [`ImageError`] if the format cannot hold the picture.
     pub fn encode(&self, format: FileFormat) -> Result<Vec<u8>, ImageError> {
         if self.wants_xyz && format == FileFormat::Exr {
             let mut picture = self.picture.clone();
@@ -66,29 +65,29 @@ impl Rendering {
     }
 }
 
-/// Whether there are channels beside the colour.
+/// Whether there are channels besides colour.
 struct HasLayers(bool);
 
-/// The greatest number of 16 bits: (2 − 2⁻¹⁰) · 2¹⁵.
+/// The largest half float: (2 − 2⁻¹⁰) · 2¹⁵.
 const GREATEST_HALF: f32 = 65504.0;
 
-/// Layers hold positions, distances, identifiers and variances, for which 16 bits are too coarse:
-/// with them the whole file has 32. So it has with light beyond what 16 bits hold, such as the sun
-/// seen in a mirror, which would be cut off without a word.
+/// Half floats are too coarse for positions, distances, identifiers and variances: with such
+/// channels the whole file uses 32 bits. It also does if the light exceeds the half float range,
+/// such as the sun in a mirror, which would otherwise be clipped silently.
 fn precision(asked: ExrPrecision, picture: &Picture, has_layers: HasLayers) -> ExrPrecision {
     let mut values = picture.channels.iter().flat_map(|channel| &channel.data);
     let is_beyond = values.any(|value| value.abs() > GREATEST_HALF);
     if has_layers.0 || is_beyond { ExrPrecision::Float } else { asked }
 }
 
-/// The picture in luminance: one channel instead of three.
+/// Converts the picture to luminance: one channel instead of three.
 fn to_luminance(picture: &mut Picture) {
     map_color(picture, |rgb| [color::luminance(rgb); 3]);
     picture.channels.drain(1..3);
     picture.channels[0].name = "Y".to_owned();
 }
 
-/// The picture in CIE XYZ.
+/// Converts the picture to CIE XYZ.
 fn to_xyz(picture: &mut Picture) {
     map_color(picture, color::rgb_to_xyz);
     for (channel, name) in picture.channels.iter_mut().zip(["X", "Y", "Z"]) {

@@ -1,4 +1,4 @@
-//! Checkpoints and parts on disk: a film's sums and what they are sums of.
+//! Checkpoints and parts on disk: a film's sums and their identity.
 #![allow(
     clippy::disallowed_methods,
     reason = "hosts choose this module when they want files to be read and written"
@@ -18,54 +18,55 @@ pub struct SumsFile {
     path: PathBuf,
 }
 
-/// Something that two films' identities do not agree in.
+/// A difference between the identities of two films.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// What it is.
+    /// The name of the property.
     pub name: String,
-    /// What the file says.
+    /// Its value in the file.
     pub file: String,
-    /// What this render, or the other file, says.
+    /// Its value in this render, or in the other file.
     pub other: String,
 }
 
 impl SumsFile {
-    /// The file at this place.
+    /// The file at this path.
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into() }
     }
 
-    /// The checkpoint of a render whose first output is `picture`: its name with `.checkpoint`.
+    /// The checkpoint of a render whose first output is `picture`: that name plus `.checkpoint`.
     pub fn checkpoint_of(picture: &Path) -> Self {
         let mut name = picture.as_os_str().to_owned();
         name.push(".checkpoint");
         Self { path: name.into() }
     }
 
-    /// Where it is.
+    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether there is anything at its place.
+    /// Whether the file exists.
     pub fn exists(&self) -> bool {
         self.path.symlink_metadata().is_ok()
     }
 
-    /// Replaces the file with the sums as they are now. Threads may add to them meanwhile.
+    /// Replaces the file with the current sums. Other threads may add samples meanwhile.
     ///
     /// # Errors
     ///
-    /// What the operating system says; the file is then what it was.
+    /// Returns the operating system's error; the file is then unchanged.
     pub fn write(&self, film: &FilmSums, record: &FilmRecord) -> io::Result<()> {
         self.write_with(film, record, &|_| {})
     }
 
-    /// The same, telling `reached` after every step, for tests that end the process there.
+    /// Like [`Self::write`], but calls `reached` after every step, so that tests can end the
+    /// process there.
     ///
     /// # Errors
     ///
-    /// As [`Self::write`].
+    /// Same as [`Self::write`].
     pub fn write_with(
         &self,
         film: &FilmSums,
@@ -75,20 +76,20 @@ impl SumsFile {
         write_durably_with(&self.path, |out: &mut dyn Write| film.write(record, out), reached)
     }
 
-    /// Reads what the file says beside the sums. Its checksum is not looked at.
+    /// Reads the header of the file. Its checksum is not verified.
     ///
     /// # Errors
     ///
-    /// [`FilmFileError`] if it cannot be read or is no such file.
+    /// [`FilmFileError`] if it cannot be read or is not a sums file.
     pub fn read_header(&self) -> Result<FilmFile, FilmFileError> {
         FilmFile::read_header(&mut BufReader::new(File::open(&self.path)?))
     }
 
-    /// Reads the file; the sums may take `memory_limit` bytes.
+    /// Reads the file; the sums may take up to `memory_limit` bytes.
     ///
     /// # Errors
     ///
-    /// [`FilmFileError`] if it cannot be read, is torn, or there is no room.
+    /// [`FilmFileError`] if it cannot be read, is incomplete, or exceeds the memory limit.
     pub fn read(&self, memory_limit: u64) -> Result<(FilmFile, FilmSums), FilmFileError> {
         let file = File::open(&self.path)?;
         let length = file.metadata()?.len();
@@ -98,22 +99,22 @@ impl SumsFile {
         Ok((header, film))
     }
 
-    /// Removes the file for good; that there is none is no error.
+    /// Deletes the file durably; a missing file is not an error.
     ///
     /// # Errors
     ///
-    /// What the operating system says.
+    /// Returns the operating system's error.
     pub fn remove(&self) -> io::Result<()> {
         remove_durably(&self.path)
     }
 
-    /// Removes what killed processes have left while they wrote it.
+    /// Deletes temporary files left by processes killed while writing it.
     pub fn remove_abandoned(&self) {
         remove_abandoned(&self.path);
     }
 }
 
-/// Where two identities differ: that of a file, and another.
+/// The differences between a file's identity and another one.
 pub fn differences(file: &[(String, String)], other: &[(String, String)]) -> Vec<Difference> {
     let value = |entries: &[(String, String)], name: &str| {
         let found = entries.iter().find(|(other, _)| other == name);

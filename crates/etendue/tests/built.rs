@@ -1,4 +1,4 @@
-//! Scenes that are built in code render as the same scenes from files do.
+//! Scenes built in code render exactly like the same scenes from files.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use etendue::{
     load_text, render_node,
 };
 
-/// A wavy sheet with normals, coordinates and a colour for each vertex.
+/// A wavy surface with normals, texture coordinates and a colour per vertex.
 fn sheet() -> TriangleMesh {
     const SIDE: u32 = 12;
     let mut mesh = TriangleMesh::default();
@@ -56,7 +56,7 @@ const SCENE: &str = r#"<scene version="3.0.0">
     </shape>
 </scene>"#;
 
-/// The scene of [`SCENE`] with a shape in the place of its file.
+/// The scene of [`SCENE`] with a shape in place of its file.
 fn scene(shape: Node) -> Node {
     let film = Node::film("hdrfilm").with("width", 24).with("height", 20);
     let sampler = Node::sampler("independent").with("sample_count", 8);
@@ -73,7 +73,7 @@ fn scene(shape: Node) -> Node {
         .child(shape.child(Node::bsdf("twosided").child(plastic)))
 }
 
-/// The mesh as a node whose arrays are those of the mesh.
+/// The mesh as a node that holds its arrays.
 fn node_of(mesh: &TriangleMesh) -> Node {
     Node::shape("mesh")
         .with("positions", mesh.positions.iter().map(|p| p.to_array()).collect::<Vec<_>>())

@@ -1,4 +1,4 @@
-//! Every example runs, and does what it says.
+//! Every example runs and produces the expected output.
 #![allow(clippy::disallowed_methods, reason = "tests write scene files and read pictures")]
 
 use std::path::{Path, PathBuf};
@@ -15,8 +15,8 @@ const SCENE: &str = r#"<scene version="3.0.0">
     <shape type="sphere"><bsdf type="roughconductor"><float name="alpha" value="0.2"/></bsdf></shape>
 </scene>"#;
 
-/// `cargo test` builds the examples of a package with its tests, into the folder beside theirs. It does
-/// not where `--test` chooses this test alone: then `cargo build --examples` must come first.
+/// `cargo test` builds a package's examples along with its tests, into a folder beside theirs. It
+/// does not if `--test` selects only this test: run `cargo build --examples` first.
 fn example(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test is a file");
     let profile = test.parent().and_then(Path::parent).expect("target/PROFILE/deps/TEST");
@@ -26,7 +26,7 @@ fn example(name: &str) -> PathBuf {
     path
 }
 
-/// What an example prints when it runs in a folder that holds `scene.xml`.
+/// The output of an example run in a folder that holds `scene.xml`.
 fn run(name: &str, arguments: &[&str], folder: &Path) -> String {
     std::fs::write(folder.join("scene.xml"), SCENE).unwrap();
     let output = Command::new(example(name))

@@ -1,7 +1,7 @@
-//! A process that dies at any point of writing a checkpoint leaves a whole one, from which the render
-//! goes on to the same picture.
+//! If a process dies at any point while writing a checkpoint, a complete checkpoint remains, and
+//! the resumed render gives the same picture.
 //!
-//! Each case is a process of its own: this program, started again to run `write_and_die` alone.
+//! Each case runs in a separate process: this program, started again to run `write_and_die` alone.
 #![cfg(unix)]
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 
@@ -20,11 +20,11 @@ use etendue::{
     Statistics, SumsFile, Workers, load_text,
 };
 
-/// Where the second process is told what to do.
+/// The environment variables that instruct the second process.
 const PLACE: &str = "ETENDUE_TEST_CHECKPOINT";
 const POINT: &str = "ETENDUE_TEST_FAULT_POINT";
 
-/// Samples in the old checkpoint, in the new one, and in the end.
+/// Samples in the old checkpoint, in the new one, and at the end.
 const COUNTS: [u32; 3] = [2, 3, 5];
 
 const SCENE: &str = r#"<scene version="3.0.0">
@@ -39,13 +39,13 @@ const SCENE: &str = r#"<scene version="3.0.0">
 /// Where the process dies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Point {
-    /// After so many bytes have been handed over.
+    /// After this many bytes have been written.
     Bytes(usize),
     /// After a step.
     After(WriteStep),
 }
 
-/// Some places in the first piece of the file, in its middle and at its end; and every step.
+/// Positions in the first chunk of the file, in its middle and at its end, and every step.
 const POINTS: [Point; 9] = [
     Point::After(WriteStep::Created),
     Point::Bytes(1),
@@ -63,7 +63,7 @@ fn loaded_scene() -> LoadedScene {
     load_text(SCENE, PathBuf::new(), &files, &SceneOptions::default()).scene.unwrap()
 }
 
-/// Goes on with a film, or a new one, to so many samples.
+/// Continues a film, or starts a new one, up to this many samples.
 fn render(scene: &LoadedScene, film: Option<FilmSums>, count: u32) -> (FilmSums, Picture) {
     let options = RenderOptions {
         samples_per_pixel: Some(count),
@@ -115,7 +115,7 @@ fn a_process_that_dies_anywhere_leaves_a_whole_checkpoint() {
     }
 }
 
-/// Goes on with the checkpoint and dies while it writes the next one.
+/// Resumes the checkpoint and dies while writing the next one.
 #[test]
 #[ignore = "the other test starts it in a process of its own, and it dies"]
 fn write_and_die() {
@@ -137,7 +137,7 @@ fn write_and_die() {
     write_durably_with(Path::new(&place), write, &reached).unwrap();
 }
 
-/// A writer that kills the process after some bytes.
+/// A writer that kills the process after a number of bytes.
 struct Fatal<'a> {
     out: &'a mut dyn Write,
     point: Point,
@@ -163,7 +163,7 @@ impl Write for Fatal<'_> {
     }
 }
 
-/// As if somebody had said `kill -9`.
+/// Equivalent to `kill -9`.
 fn die() -> ! {
     let _ = Command::new("kill").args(["-9", &std::process::id().to_string()]).status();
     unreachable!("the signal cannot be refused")

@@ -1,4 +1,5 @@
-//! What fuzzing has found, replayed: every file of `fuzz/findings/TARGET`, named after its defect.
+//! Replays all inputs that fuzzing has found: every file of `fuzz/findings/TARGET`, named after its
+//! defect.
 #![allow(
     clippy::disallowed_methods,
     clippy::disallowed_macros,

@@ -10,7 +10,7 @@ use etendue::{
     render_file, render_text,
 };
 
-/// A scene whose film has the given parameters beside its size of 12x8.
+/// A scene whose film has the given parameters in addition to its size of 12x8.
 fn scene(film: &str) -> String {
     format!(
         r#"<scene version="3.0.0">

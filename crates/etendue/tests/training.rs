@@ -9,7 +9,9 @@ use etendue::integrators::{CameraRay, Integrator, Radiance, Start, Training};
 use etendue::sampling::Sampler;
 use etendue::scene::Scene;
 use etendue::spectrum::Spectrum;
-use etendue::{Cancel, LoadedScene, RenderJob, RenderOptions, SceneOptions, Silent, Workers, load_text};
+use etendue::{
+    Cancel, LoadedScene, RenderJob, RenderOptions, SceneOptions, Silent, Workers, load_text,
+};
 
 const SCENE: &str = r#"<scene version="3.0.0"><sensor type="perspective">
     <film type="hdrfilm"><integer name="width" value="5"/><integer name="height" value="3"/></film>
@@ -53,7 +55,8 @@ impl Training for Counting {
 }
 
 fn scene() -> LoadedScene {
-    let loaded = load_text(SCENE, PathBuf::new(), &MemoryResources::default(), &SceneOptions::default());
+    let loaded =
+        load_text(SCENE, PathBuf::new(), &MemoryResources::default(), &SceneOptions::default());
     let mut scene = loaded.scene.expect("a scene without mistakes");
     scene.integrator = Arc::new(Counter { learned: None });
     scene

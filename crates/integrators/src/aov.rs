@@ -59,13 +59,13 @@ const KINDS: [(&str, Kind, &[&str]); 10] = [
 /// Adds channels to a picture.
 pub struct Aov {
     kinds: Vec<Kind>,
-    /// The names: those of the nested integrators, then those of the kinds.
+    /// The channel names: those of the nested integrators, then those of the kinds.
     channels: Vec<String>,
     nested: Vec<Nested>,
 }
 
 impl Aov {
-    /// Reads the list of channels; the picture is that of the first of `nested`.
+    /// Reads the list of channels; the picture is that of the first integrator in `nested`.
     #[must_use]
     pub fn build(parameters: &Parameters<'_>, nested: Vec<Nested>) -> Self {
         let mut channels: Vec<String> = Vec::new();
@@ -109,7 +109,7 @@ impl Aov {
 }
 
 impl Kind {
-    /// The quantity's numbers, and how many of them count.
+    /// The quantity's values, and how many of them are used.
     fn values(self, surface: &SurfaceInteraction, bsdf: &Bsdf<'_>) -> ([f32; 3], usize) {
         let vector = |v: Vec3| (v.to_array(), 3);
         match self {

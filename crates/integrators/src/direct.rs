@@ -1,4 +1,4 @@
-//! `direct`: emitters, and light that is scattered once.
+//! `direct`: emitted light and single scattering.
 
 use crate::estimator::{
     Continuation, HideEmitters, NextEvent, PathVertex, PathWeight, ScatterNumbers, StrictNormals,
@@ -41,7 +41,7 @@ pub(crate) const MANUAL: Manual = Manual {
     sample: r#"<integrator type="direct"><integer name="emitter_samples" value="2"/></integrator>"#,
 };
 
-/// More samples than this for one camera sample only waste time.
+/// More light samples than this per camera sample only waste time.
 const MAX_SAMPLES: i64 = 4096;
 
 /// Direct light.
@@ -54,7 +54,7 @@ pub struct Direct {
 }
 
 impl Direct {
-    /// Reads the counts. Without emitter sampling, the material's samples do all the work.
+    /// Reads the sample counts. Without emitter sampling, all samples come from the material.
     #[must_use]
     pub fn build(parameters: &Parameters<'_>, options: &IntegratorOptions) -> Self {
         let both = parameters.integer_in("shading_samples", 1, 1..=MAX_SAMPLES);
@@ -74,7 +74,7 @@ impl Direct {
         }
     }
 
-    /// Light that is sampled on the emitters.
+    /// Direct light from emitter sampling.
     fn by_emitters(
         &self,
         scene: &Scene,
@@ -95,7 +95,7 @@ impl Direct {
         sum / self.emitter_samples as f32
     }
 
-    /// Light that is found in directions sampled from the material.
+    /// Direct light from BSDF sampling.
     fn by_material(
         &self,
         scene: &Scene,

@@ -1,15 +1,15 @@
 //! The rules of light transport, each stated once.
 //!
-//! What is shaded in SIMD lanes is generic over [`Real`](etendue_math::lanes::Real): with `f32` a rule
-//! speaks of one path, with [`Lanes`](etendue_math::lanes::Lanes) of one path in each lane. Both give
-//! the same bits.
+//! Rules that are shaded in SIMD lanes are generic over [`Real`](etendue_math::lanes::Real): with
+//! `f32` a rule handles one path, with [`Lanes`](etendue_math::lanes::Lanes) one path in each lane.
+//! Both give the same bits.
 //!
 //! | rule | where |
 //! |---|---|
 //! | multiple importance sampling | [`power_heuristic`], [`next_event_weight`] |
-//! | light that a path finds by chance | [`Emission`], [`emitted`], [`distant`] |
+//! | light that a path hits | [`Emission`], [`emitted`], [`distant`] |
 //! | next-event estimation | [`NextEvent`] |
-//! | how a path goes on, strict normals | [`Continuation`], [`StrictNormals`] |
+//! | how a path continues, strict normals | [`Continuation`], [`StrictNormals`] |
 //! | Russian roulette | [`Roulette`] |
 //! | hidden emitters | [`HideEmitters`], [`first_hit`] |
 //! | null transmission through thin sheets | [`ThinSheet`] |

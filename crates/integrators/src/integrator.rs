@@ -1,5 +1,5 @@
-//! The contract of an integrator: the light that arrives along a camera ray, and what there may be to
-//! learn before.
+//! The integrator contract: the light that arrives along a camera ray, and training before the
+//! render.
 
 use crate::particles::ParticleIntegrator;
 use etendue_math::Ray;
@@ -7,26 +7,26 @@ use etendue_sampling::Sampler;
 use etendue_scene::{MediumId, Scene};
 use etendue_spectrum::Spectrum;
 
-/// A way to compute light.
+/// A light transport algorithm.
 ///
-/// An integrator knows rays, light and random numbers; it knows no pixels. Who renders chooses the
-/// rays, weighs what arrives, and adds it up.
+/// An integrator knows rays, light and random numbers, but not pixels. The caller generates the
+/// rays and accumulates the weighted results.
 ///
 /// # Contract
 /// - A camera sample is a pure function of the scene, the ray and the random numbers of its
-///   [`Sampler`]. Nothing is kept from one sample to the next.
-/// - The expected value is the radiance along the ray. Where [`Self::particles`] is not `None`, the
-///   mean of their splats is added to it: the two together have the right expected value.
-/// - Results that are not finite are the caller's to count and to leave out.
+///   [`Sampler`]. No state is kept between samples.
+/// - The expected value is the radiance along the ray. If [`Self::particles`] is not `None`, the
+///   mean of their splats is added: only the sum of both has the right expected value.
+/// - The caller counts and discards results that are not finite.
 pub trait Integrator: Send + Sync {
-    /// The names of the channels beside colour and alpha, such as `albedo.R`, in the order of their
-    /// values in [`Self::sample`].
+    /// The names of the channels besides colour and alpha, such as `albedo.R`, in the order of
+    /// their values in [`Self::sample`].
     fn channels(&self) -> &[String] {
         &[]
     }
 
-    /// What arrives along the ray that starts at `start`. `channels` has one value for each of
-    /// [`Self::channels`], all zero.
+    /// The radiance and alpha along the ray that starts at `start`. `channels` has one value for
+    /// each of [`Self::channels`], all initially zero.
     fn sample(
         &self,
         scene: &Scene,
@@ -35,8 +35,8 @@ pub trait Integrator: Send + Sync {
         channels: &mut [f32],
     ) -> Radiance;
 
-    /// Takes many samples, each equal to that of [`Self::sample`] to the bit, and appends them to
-    /// `radiance`. `channels` has the values of all rays, ray after ray.
+    /// Takes many samples, each bit-identical to [`Self::sample`], and appends them to `radiance`.
+    /// `channels` has the values of all rays, one row per ray.
     fn sample_batch(
         &self,
         scene: &Scene,
@@ -53,13 +53,13 @@ pub trait Integrator: Send + Sync {
         ));
     }
 
-    /// The particles that bring the rest of the light, if any do. Integrators that nest others, such as
-    /// `aov`, leave out their particles, and say so when they are built.
+    /// The particles that bring the rest of the light, if any. Integrators that nest others, such
+    /// as `aov`, ignore their particles and warn about it when they are built.
     fn particles(&self) -> Option<&dyn ParticleIntegrator> {
         None
     }
 
-    /// What there is to learn before the first sample of the picture, if anything is.
+    /// The training before the first sample of the picture, if any.
     fn training(&self) -> Option<Box<dyn Training>> {
         None
     }
@@ -67,59 +67,59 @@ pub trait Integrator: Send + Sync {
 
 /// Learns from camera samples, pass by pass, and becomes the integrator that renders the picture.
 ///
-/// Every pass takes samples over the whole film with what the passes before it have learned, and
-/// sums up what they show. Between passes, [`Self::refine`] turns the sums into what the next pass
-/// uses. The samples of a training are not part of the picture.
+/// Every pass takes samples over the whole film, using what earlier passes have learned, and
+/// accumulates statistics. Between passes, [`Self::refine`] turns these into what the next pass
+/// uses. Training samples are not part of the picture.
 ///
 /// # Contract
-/// - The result is a function of the scene, the sensor, the sampler and the integrator, bit for bit.
-///   It does not depend on threads, on the part of the film that is rendered, or on which of its
-///   samples are. Every part of a divided render and every resumed run repeats the same training, so
-///   checkpoints stay valid and parts may be merged.
+/// - The result is a bit-exact function of the scene, the sensor, the sampler and the integrator.
+///   It does not depend on threads, on the rendered region of the film, or on the selected samples.
+///   Every part of a divided render and every resumed run repeats the same training, so checkpoints
+///   stay valid and parts can be merged.
 /// - [`Self::learn`] runs on many threads at once, with any division of a pass into batches. Its
-///   sums must not depend on the order of what is added: they are integers, atomic or behind a lock.
+///   sums must not depend on the order of additions: use integers, atomic or behind a lock.
 pub trait Training: Send + Sync {
-    /// How many samples each pass gives every pixel. It does not change while training goes on.
+    /// The number of samples per pixel of each pass. It does not change during training.
     fn samples_of_passes(&self) -> &[u32];
 
-    /// Takes camera samples with what earlier passes have learned, and adds up what they show.
+    /// Takes camera samples, using what earlier passes have learned, and accumulates statistics.
     fn learn(&self, scene: &Scene, rays: &mut [CameraRay]);
 
     /// Ends a pass: turns its sums into what later samples use.
     fn refine(&mut self);
 
-    /// Ends the training; the integrator has no training left.
+    /// Ends the training; the returned integrator has no training left.
     fn finish(self: Box<Self>) -> Box<dyn Integrator>;
 }
 
-/// What one camera sample sees.
+/// The result of one camera sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radiance {
     /// Radiance, linear Rec.709.
     pub color: Spectrum,
-    /// 1 where the ray meets something, 0 where the background shows.
+    /// 1 if the ray hits something, 0 if the background shows.
     pub alpha: f32,
 }
 
 impl Radiance {
-    /// No light, and only background.
+    /// No light and zero alpha.
     pub const NONE: Self = Self { color: Spectrum::ZERO, alpha: 0.0 };
 }
 
 /// Where a camera sample starts.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// The ray; its direction is unit.
+    /// The ray; its direction is a unit vector.
     pub ray: Ray,
     /// The medium around its origin.
     pub medium: Option<MediumId>,
 }
 
-/// A camera sample before it is taken.
+/// The input of a camera sample.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
     /// Where it starts.
     pub start: Start,
-    /// Its random numbers; those that chose the ray have been drawn.
+    /// Its random numbers. Those that chose the ray have already been drawn.
     pub sampler: Sampler,
 }

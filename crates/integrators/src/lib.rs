@@ -1,9 +1,9 @@
-//! How light is computed: one [`Integrator`] per way.
+//! Light transport algorithms, each an [`Integrator`].
 //!
-//! An integrator answers for one camera ray at a time, or for many at once. Beside light it may fill
-//! channels of its own ([`Integrator::channels`]), trace particles from the emitters
-//! ([`ParticleIntegrator`]), and learn before it renders ([`Training`]). The contracts stand at these
-//! traits.
+//! An integrator handles one camera ray at a time, or many at once. Besides light it may fill
+//! additional channels ([`Integrator::channels`]), trace particles from the emitters
+//! ([`ParticleIntegrator`]), and train before it renders ([`Training`]). Each of these traits
+//! states its contract.
 #![forbid(unsafe_code)]
 
 mod aov;

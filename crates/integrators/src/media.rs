@@ -1,4 +1,4 @@
-//! What the volumetric integrators are made of: walks through media, connections to emitters, and the
+//! The components of the volumetric integrators: medium walks, connections to emitters, and the
 //! densities of whole paths.
 
 mod connection;

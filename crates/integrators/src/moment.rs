@@ -1,4 +1,4 @@
-//! `moment`: the results of other integrators, and their squares.
+//! `moment`: the results of other integrators and their squares.
 
 use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone};

@@ -1,24 +1,25 @@
-//! An integrator inside another one: its name, and its place among the channels.
+//! An integrator nested in another one: its name and its channels.
 
 use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use etendue_sampling::Sampler;
 use etendue_scene::Scene;
 
-/// An integrator inside another one.
+/// An integrator nested in another one.
 pub struct Nested {
-    /// What the scene calls it: the prefix of its channels.
+    /// Its name in the scene: the prefix of its channels.
     pub name: String,
-    /// How it computes light.
+    /// The integrator.
     pub integrator: Box<dyn Integrator>,
 }
 
 impl Nested {
-    /// The names of its own channels, each prefixed with its name.
+    /// The names of its channels, each prefixed with its name.
     pub(crate) fn channel_names(&self) -> impl Iterator<Item = String> + '_ {
         self.integrator.channels().iter().map(|channel| format!("{}.{channel}", self.name))
     }
 
-    /// Takes a sample of each ray; the integrator's own channels become the next columns of `rows`.
+    /// Takes a sample of each ray; the nested integrator's channels fill the next columns of
+    /// `rows`.
     pub(crate) fn sample_batch(
         &self,
         scene: &Scene,
@@ -34,7 +35,7 @@ impl Nested {
     }
 }
 
-/// The channels of many samples: a row for each, filled from the left.
+/// The channels of many samples: one row per sample, filled from the left.
 pub(crate) struct Rows<'a> {
     values: &'a mut [f32],
     width: usize,
@@ -42,7 +43,7 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Empty rows of `width` values, one after the other.
+    /// Empty rows of `width` values, stored consecutively.
     pub(crate) fn new(values: &'a mut [f32], width: usize) -> Self {
         Self { values, width, filled: 0 }
     }
@@ -58,14 +59,14 @@ impl<'a> Rows<'a> {
         self.filled += columns;
     }
 
-    /// What is not yet filled of each row.
+    /// The unfilled rest of each row.
     pub(crate) fn rest(&mut self) -> impl Iterator<Item = &mut [f32]> {
         let filled = self.filled;
         self.values.chunks_exact_mut(self.width.max(1)).map(move |row| &mut row[filled..])
     }
 }
 
-/// One sample, by an integrator that takes them in batches.
+/// Takes one sample with an integrator that takes them in batches.
 pub(crate) fn sample_alone(
     integrator: &impl Integrator,
     scene: &Scene,
@@ -81,7 +82,7 @@ pub(crate) fn sample_alone(
     radiance.pop().unwrap_or(Radiance::NONE)
 }
 
-/// Writes values to the first of `channels` and returns the rest.
+/// Writes values to the front of `channels` and returns the rest.
 pub(crate) fn write<'a>(channels: &'a mut [f32], values: &[f32]) -> &'a mut [f32] {
     let (own, rest) = channels.split_at_mut(values.len());
     own.copy_from_slice(values);

@@ -1,11 +1,11 @@
-//! What the user of the library decides.
+//! The library user's options.
 
-/// What the user of the library decides about how light is computed, over what the scene says.
+/// Options about light transport that override the scene.
 #[derive(Clone, Debug)]
 pub struct IntegratorOptions {
-    /// Another integrator than the scene's, by its XML `type`, with the scene's parameters.
+    /// The XML `type` of an integrator to use instead of the scene's, with the scene's parameters.
     pub name: Option<String>,
-    /// Whether emitters are sampled; without, light is found by chance alone.
+    /// Whether emitters are sampled; otherwise paths find light only by hitting emitters.
     pub emitter_sampling: bool,
 }
 

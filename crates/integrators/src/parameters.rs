@@ -1,4 +1,4 @@
-//! The parameters that several integrators read.
+//! Parameters that several integrators share.
 
 use crate::estimator::{HideEmitters, StrictNormals};
 use crate::options::IntegratorOptions;
@@ -21,7 +21,7 @@ pub(crate) const RR_DEPTH: ParameterManual = ParameterManual {
     meaning: "From this depth on, paths end by Russian roulette.",
 };
 
-/// The parameter of every integrator that can pass through emitters.
+/// The parameter of integrators that can ignore emitters.
 pub(crate) const HIDE_EMITTERS: ParameterManual = ParameterManual {
     name: "hide_emitters",
     kind: "boolean",
@@ -37,12 +37,12 @@ pub(crate) const STRICT_NORMALS: ParameterManual = ParameterManual {
     meaning: "Light must be on the same side of the geometric as of the shading normal.",
 };
 
-/// How long paths may get, in edges.
+/// The limits of path length, in edges.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthLimits {
-    /// The length of the longest path.
+    /// The maximum length of a path.
     pub(crate) max_depth: u32,
-    /// The length from which on paths end by Russian roulette.
+    /// The length at which Russian roulette begins.
     pub(crate) rr_depth: u32,
 }
 
@@ -59,18 +59,18 @@ impl DepthLimits {
     }
 }
 
-/// What the path tracers have in common.
+/// The parameters that all path tracers share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathParameters {
     pub(crate) limits: DepthLimits,
     pub(crate) hide_emitters: HideEmitters,
     pub(crate) strict_normals: StrictNormals,
-    /// Whether emitters are sampled; without, light is found by chance alone.
+    /// Whether emitters are sampled; otherwise paths find light only by hitting emitters.
     pub(crate) emitter_sampling: bool,
 }
 
 impl PathParameters {
-    /// Reads all but `strict_normals`, which not every path tracer has.
+    /// Reads all but `strict_normals`, which not every path tracer supports.
     pub(crate) fn read(parameters: &Parameters<'_>, options: &IntegratorOptions) -> Self {
         Self {
             limits: DepthLimits::read(parameters),

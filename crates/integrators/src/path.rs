@@ -1,7 +1,8 @@
 //! `path`: unidirectional path tracing with next-event estimation.
 //!
-//! [`Path::sample`](Integrator::sample) is the algorithm. [`Path::sample_batch`](Integrator::sample_batch)
-//! does the same for many paths at once, to the bit.
+//! [`Path::sample`](Integrator::sample) is the algorithm.
+//! [`Path::sample_batch`](Integrator::sample_batch) traces many paths at once, with bit-identical
+//! results.
 
 mod batch;
 mod step;
@@ -56,31 +57,31 @@ impl Integrator for Path {
         for depth in 0..self.parameters.limits.max_depth {
             let step = Step { parameters: &self.parameters, scene, depth };
 
-            // The next surface, or else light from afar.
+            // Find the next surface, or else distant light.
             let Some(surface) = step.next_surface(&mut path, &mut ray) else {
                 step.escape(&mut path, &ray);
                 break;
             };
 
-            // Light that the surface itself emits.
+            // Add light emitted by the surface.
             step.add_emission(&mut path, &surface, &ray);
             if !step.scatters(&surface, &ray) {
                 path.alpha.cover();
                 break;
             }
 
-            // What the vertex is shaded with.
+            // Prepare shading.
             let bsdf = scene.prepare_bsdf(&surface);
             let numbers = VertexNumbers::draw(&mut path.sampler);
 
-            // Light from one emitter, unless something stands between.
+            // Next-event estimation: add light from one emitter unless it is occluded.
             if let Some(light) = step.propose_light(&surface, &bsdf, numbers.light)
                 && !scene.occluded(&light.shadow_ray)
             {
                 path.radiance += path.throughput * light.radiance;
             }
 
-            // The next direction, unless the path ends here.
+            // Sample the next direction, or end the path.
             let continuation = step.sample_direction(&path, &surface, &bsdf, &numbers);
             if !continuation.null {
                 path.alpha.cover();

@@ -41,7 +41,7 @@ pub struct ParticleTracer {
     hide_emitters: HideEmitters,
 }
 
-/// The share of a connection's length that must be free. The rest allows for the rounding of the
+/// The fraction of a connection's length that must be free. The rest allows for rounding of the
 /// distance, so that the lens does not block it.
 const CONNECTION_LENGTH: f32 = 1.0 - 2e-5;
 
@@ -50,13 +50,13 @@ struct Particle {
     ray: Ray,
     /// The power that it carries.
     power: Spectrum,
-    /// The greatest component of the power that it started with, for roulette.
+    /// The largest component of its initial power, for roulette.
     start: f32,
     /// The index of refraction here, relative to that at the emitter.
     eta: f32,
 }
 
-/// Where a particle's path meets a surface.
+/// A surface hit of a particle's path.
 struct Vertex<'a> {
     surface: &'a SurfaceInteraction,
     bsdf: &'a Bsdf<'a>,
@@ -73,7 +73,7 @@ impl ParticleTracer {
         }
     }
 
-    /// Starts a particle at an emitter; `None` if the emitter sends none this time.
+    /// Starts a particle at an emitter; `None` if the emitter's sample fails.
     fn emit(scene: &Scene, sampler: &mut Sampler) -> Option<Particle> {
         let mut choice_random = sampler.next_1d();
         let (place, direction) = (sampler.next_2d(), sampler.next_2d());
@@ -83,7 +83,7 @@ impl ParticleTracer {
         Some(Particle { ray: leaving.ray, power, start: power.max_component(), eta: 1.0 })
     }
 
-    /// What the camera sees of a vertex of a particle's path.
+    /// Connects a vertex of a particle's path to the camera.
     fn connect(
         &self,
         scene: &Scene,
@@ -107,7 +107,7 @@ impl ParticleTracer {
         color
     }
 
-    /// Whether something lies between a surface and the camera.
+    /// Whether the line from a surface to the camera is blocked.
     fn is_blocked(
         &self,
         scene: &Scene,
@@ -157,9 +157,9 @@ impl ParticleTracer {
     }
 }
 
-/// The correction for shading normals in light that is traced from its source:
-/// |wi·Ns| |wo·Ng| / (|wi·Ng| |wo·Ns|), where wi points to where the particle comes from (Veach, *Robust Monte Carlo Methods for Light Transport
-/// Simulation*, 1997, section 5.3).
+/// The shading normal correction for light traced from its source: |wi·Ns| |wo·Ng| / (|wi·Ng|
+/// |wo·Ns|), where wi points towards the particle's origin (Veach, *Robust Monte Carlo Methods for
+/// Light Transport Simulation*, 1997, section 5.3).
 fn shading_correction(
     surface: &SurfaceInteraction,
     travelled: glam::Vec3,
@@ -172,7 +172,7 @@ fn shading_correction(
 }
 
 impl Integrator for ParticleTracer {
-    /// The emitters that the camera sees directly. Particles bring the rest.
+    /// The emitters that the camera sees directly. Particles contribute the rest.
     fn sample(&self, scene: &Scene, start: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
         let ray = &start.ray;
         let camera = PathVertex::camera(ray.origin);

@@ -27,7 +27,7 @@ struct Build<'a> {
 
 type BuildIntegrator = fn(&Build<'_>) -> Option<Box<dyn Integrator>>;
 
-/// One integrator: its XML `type`, its manual page, and how it is built.
+/// An integrator plugin: its XML `type`, its manual page and its constructor.
 pub struct IntegratorPlugin {
     /// The XML `type`.
     pub name: &'static str,
@@ -68,7 +68,7 @@ pub static INTEGRATORS: &[IntegratorPlugin] = &[
     }),
 ];
 
-/// Integrators nested deeper than this are a mistake or an attack.
+/// Deeper nesting is a mistake or an attack.
 const MAX_NESTING: u32 = 8;
 
 impl Build<'_> {
@@ -112,8 +112,8 @@ fn find(name: &str) -> Option<&'static IntegratorPlugin> {
     INTEGRATORS.iter().find(|plugin| plugin.name == name)
 }
 
-/// The integrator of a scene, or a path tracer where the file has none; `None` after reporting what
-/// is wrong with it.
+/// The integrator of a scene, or a path tracer if the file has none; `None` after reporting an
+/// error.
 #[must_use]
 pub fn build_integrator(
     document: &Document,
@@ -127,7 +127,7 @@ pub fn build_integrator(
         (None, Some(_)) => parameters.plugin(),
         (None, None) => "path",
     };
-    // Where the user of the library named it, no place in the scene is at fault.
+    // If the library's user named it, no position in the scene is at fault.
     if options.name.is_some() && find(name).is_none() {
         let message = format!("there is no integrator `{name}`");
         diagnostics.error(Fault::UnknownPlugin, None, message);
@@ -135,14 +135,14 @@ pub fn build_integrator(
     }
     let integrator = Build { parameters: &parameters, options, nesting: 0 }.by_name(name)?;
     warn_of_media(document, name, parameters.span(), diagnostics);
-    // Parameters of the scene's own integrator may mean nothing to another one.
+    // Parameters of the scene's integrator may be unknown to the replacement.
     if of_scene.is_some() && options.name.is_none() {
         parameters.finish();
     }
     if diagnostics.has_errors() { None } else { Some(integrator) }
 }
 
-/// Says so where surfaces hold media, and the integrator renders surfaces alone.
+/// Warns if surfaces hold media but the integrator renders only surfaces.
 fn warn_of_media(document: &Document, name: &str, place: Span, diagnostics: &Diagnostics) {
     if !["path", "direct", "ptracer"].contains(&name) {
         return;
@@ -160,7 +160,7 @@ fn warn_of_media(document: &Document, name: &str, place: Span, diagnostics: &Dia
     }
 }
 
-/// The first integrator of the scene; that there is one only has been checked with the scene.
+/// The first integrator of the scene; that there is only one has been checked with the scene.
 fn scene_integrator(document: &Document) -> Option<NodeId> {
     let children = document.node(document.root).children.iter().map(|child| child.node);
     children.into_iter().find(|child| document.node(*child).class == Class::Integrator)

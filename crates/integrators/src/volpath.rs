@@ -25,7 +25,7 @@ pub(crate) const MANUAL: Manual = Manual {
     sample: r#"<integrator type="volpath"><integer name="max_depth" value="8"/></integrator>"#,
 };
 
-/// What `volpath` and `volpathmis` read.
+/// The parameters of `volpath` and `volpathmis`.
 pub(crate) const PARAMETERS: [ParameterManual; 3] = [
     ParameterManual {
         meaning: "The longest path, in edges: 1 shows emitters alone, 2 light that was scattered once, \
@@ -59,7 +59,7 @@ impl VolumePath {
     }
 }
 
-/// A path on its way.
+/// The state of a path.
 struct State {
     walk: MediumWalk,
     weights: Weights,
@@ -68,13 +68,13 @@ struct State {
     /// The index of refraction here relative to the camera's; see [`Roulette::play`].
     eta: f32,
     sheet: ThinSheet,
-    /// Edges so far.
+    /// The number of edges so far.
     depth: u32,
     radiance: Spectrum,
     alpha: Alpha,
 }
 
-/// Where a path has met a surface.
+/// A surface hit of a path.
 struct SurfaceVertex<'a> {
     surface: &'a SurfaceInteraction,
     bsdf: &'a Bsdf<'a>,
@@ -83,9 +83,9 @@ struct SurfaceVertex<'a> {
 /// Light of an emitter that a vertex scatters back along the path.
 struct ScatteredLight<'a> {
     light: &'a DirectionSample,
-    /// The share of the light that is scattered.
+    /// The scattered fraction of the light.
     value: Spectrum,
-    /// The density with which scattering would have taken the direction of the light.
+    /// The density with which scattering would have sampled the light's direction.
     scatter_pdf: f32,
 }
 
@@ -126,7 +126,7 @@ impl Integrator for VolumePath {
 }
 
 impl VolumePath {
-    /// The ray has left the scene.
+    /// Handles a ray that has left the scene.
     fn escape(&self, scene: &Scene, path: &mut State) {
         if self.parameters.hide_emitters.at_depth(path.depth).0 {
             return;
@@ -137,7 +137,7 @@ impl VolumePath {
         path.alpha.escape(scene, self.parameters.hide_emitters);
     }
 
-    /// Adds light that the path has come upon.
+    /// Adds light that the path has hit.
     #[inline]
     fn add_emission(&self, scene: &Scene, path: &mut State, emission: &Emission<'_>) {
         let weight = path.weights.of_emission(self.heuristic, || {
@@ -146,7 +146,7 @@ impl VolumePath {
         path.radiance += path.weights.throughput * emission.radiance * weight;
     }
 
-    /// The path has met a surface; false where it ends.
+    /// Handles a surface hit; false if the path ends.
     fn meet_surface(
         &self,
         scene: &Scene,
@@ -180,7 +180,7 @@ impl VolumePath {
         self.leave_surface(scene, path, &vertex, &numbers) && self.survives(path, numbers.roulette)
     }
 
-    /// Takes the next direction at a surface; false where there is none.
+    /// Samples the next direction at a surface; false if there is none.
     fn leave_surface(
         &self,
         scene: &Scene,
@@ -209,7 +209,7 @@ impl VolumePath {
         !path.weights.throughput.is_black()
     }
 
-    /// Light that one emitter, chosen by chance, sends over a surface.
+    /// Light from one randomly chosen emitter, scattered at a surface.
     fn light_surface(
         &self,
         scene: &Scene,
@@ -225,7 +225,7 @@ impl VolumePath {
         self.connect(scene, path, Vertex::Surface(surface), &scattered);
     }
 
-    /// The path has collided with a medium; false where it ends.
+    /// Handles a collision in a medium; false if the path ends.
     fn scatter(
         &self,
         scene: &Scene,
@@ -260,7 +260,7 @@ impl VolumePath {
         self.survives(path, numbers.roulette)
     }
 
-    /// Next-event estimation: adds the light of an emitter that a vertex scatters.
+    /// Next-event estimation: adds an emitter's light that a vertex scatters.
     fn connect(
         &self,
         scene: &Scene,
@@ -284,7 +284,7 @@ impl VolumePath {
         path.radiance += contribution * connection.transmittance * (weight / light.pdf);
     }
 
-    /// Russian roulette. As in Mitsuba, it begins one edge later than that of `path`.
+    /// Russian roulette. As in Mitsuba, it begins one edge later than in `path`.
     fn survives(&self, path: &mut State, random: f32) -> bool {
         if path.depth <= self.parameters.limits.rr_depth {
             return true;

@@ -1,4 +1,4 @@
-//! `volpathmis`: path tracing through media whose colours differ in extinction.
+//! `volpathmis`: path tracing through media whose extinction differs between colour channels.
 
 use crate::media::Heuristic;
 use crate::options::IntegratorOptions;

@@ -1,4 +1,4 @@
-//! Paths that travel together, one to a SIMD lane, against the same paths alone: every bit.
+//! Paths shaded together in SIMD lanes are bit-identical to the same paths shaded alone.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{
@@ -10,13 +10,13 @@ use etendue_sampling::{SamplerKind, SamplerSpec};
 use etendue_scene::{BuildOptions, Scene, Tier, build_scene};
 use glam::{UVec2, Vec3};
 
-/// A tetrahedron with normals and surface coordinates, of which one face has none.
+/// A tetrahedron with normals and texture coordinates; one face has neither.
 const TETRAHEDRON: &str = "v 0 0 1\nv 1 0 -0.4\nv -0.5 0.9 -0.4\nv -0.5 -0.9 -0.4\n\
      vn 0 0 1\nvn 0.9 0 -0.4\nvn -0.5 0.8 -0.3\nvn -0.5 -0.8 -0.3\n\
      vt 0 0\nvt 1 0\nvt 0 1\nvt 0.7 0.7\n\
      f 1/1/1 2/2/2 3/3/3\nf 1/1/1 3/3/3 4/4/4\nf 1/1/1 4/4/4 2/2/2\nf 2/1/2 4/1/4 3/1/3\n";
 
-/// One of each material that is shaded in lanes, textured where it can be.
+/// One of each material that is shaded in lanes, textured if it can be.
 const MATERIALS: &[&str] = &[
     r#"<bsdf type="diffuse"><texture type="checkerboard" name="reflectance"/></bsdf>"#,
     r#"<bsdf type="conductor"><string name="material" value="Cu"/></bsdf>"#,
@@ -71,7 +71,7 @@ fn setup(integrator: &str, material: &str, tier: Option<Tier>) -> Setup {
     Setup { scene, integrator }
 }
 
-/// Rays from a corner of the room all over it.
+/// Rays from a corner of the room in all directions into it.
 fn rays() -> Vec<CameraRay> {
     let plan = SamplerSpec::new(SamplerKind::Sobol, 4, 7);
     let samples = (0..12).flat_map(|x| (0..8).map(move |y| UVec2::new(x, y)));

@@ -1,4 +1,4 @@
-//! Closed forms: what whole renders of simple scenes must come to.
+//! Closed forms: the expected results of rendering simple scenes.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
@@ -10,7 +10,7 @@ use etendue_spectrum::color::rgb_to_xyz;
 use etendue_testkit::{Accumulator, welch};
 use glam::{UVec2, Vec3};
 
-/// A square in the plane z = 0 whose normals lean far over.
+/// A square in the plane z = 0 with strongly tilted normals.
 const LEANING: &str =
     "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0.8 0 0.6\nf 1//1 2//1 3//1 4//1\n";
 
@@ -63,8 +63,8 @@ fn path(max_depth: i32) -> String {
     )
 }
 
-/// Inside a closed shape that glows with radiance 1 and reflects ½, light of paths of at most n edges
-/// is 1 + ½ + … = 2 − 2¹⁻ⁿ.
+/// Inside a closed shape that emits radiance 1 and reflects ½, paths of at most n edges give 1 + ½
+/// + … = 2 − 2¹⁻ⁿ.
 #[test]
 fn a_furnace_sums_the_geometric_series() {
     for shape in ["sphere", "cube"] {
@@ -88,7 +88,7 @@ fn a_furnace_sums_the_geometric_series() {
     }
 }
 
-/// A wide floor below a point light of intensity I at height h: E = I / h², L = ρ E / π.
+/// A large floor below a point light of intensity I at height h: E = I / h², L = ρ E / π.
 #[test]
 fn a_point_light_above_a_floor_is_a_closed_form() {
     for integrator in [path(2), r#"<integrator type="direct"/>"#.to_owned()] {
@@ -134,7 +134,7 @@ fn a_disk_light_above_a_floor_is_a_closed_form() {
     }
 }
 
-/// Emitter sampling changes the noise, not the picture; roulette neither.
+/// Emitter sampling and roulette change the noise, not the picture.
 #[test]
 fn ways_of_finding_light_agree_in_the_mean() {
     let body = r#"<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="2"/></transform><bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.5"/></bsdf></shape>
@@ -161,7 +161,7 @@ fn ways_of_finding_light_agree_in_the_mean() {
     }
 }
 
-/// What `hide_emitters` hides, and that light is not hidden with it.
+/// `hide_emitters` hides the emitters themselves but not their light.
 #[test]
 fn hidden_emitters_are_passed_through_by_camera_rays_alone() {
     let text = |hide: bool| {
@@ -184,7 +184,7 @@ fn hidden_emitters_are_passed_through_by_camera_rays_alone() {
     assert!((hidden.mean() - expected).abs() < tolerance, "{} not {expected}", hidden.mean());
 }
 
-/// A masked box so thin that it is one sheet lets the share through that one face would.
+/// A masked box thin enough to be one sheet transmits as much as a single face.
 #[test]
 fn the_two_faces_of_a_thin_masked_sheet_count_once() {
     let text = |integrator: &str, thickness: f32| {
@@ -209,7 +209,8 @@ fn the_two_faces_of_a_thin_masked_sheet_count_once() {
     }
 }
 
-/// A lamp behind a masked sheet: `path` finds it by chance, `volpath` also sees it through the sheet.
+/// A lamp behind a masked sheet: `path` only finds it by hitting it; `volpath` also connects to it
+/// through the sheet.
 #[test]
 fn both_path_tracers_see_the_same_through_masked_sheets() {
     let body = r#"<shape type="rectangle"><transform name="to_world"><scale value="5"/></transform></shape>
@@ -227,12 +228,12 @@ fn both_path_tracers_see_the_same_through_masked_sheets() {
     }
 }
 
-/// `moment` records the squares, `aov` what is seen, `depth` how far it is.
+/// `moment` records the squares, `aov` the visible surface, `depth` the distance.
 #[test]
 fn layers_hold_what_they_are_named_for() {
     let text = r#"<integrator type="moment"><integrator type="aov" name="all"><string name="aovs" value="depth, albedo:albedo, n:geo_normal"/><integrator type="depth" name="far"/></integrator><integrator type="depth" name="far"/></integrator><shape type="sphere"/>"#;
     let Setup { scene, integrator } = setup(text, &IntegratorOptions::default());
-    // As Mitsuba 3.9.1 names them, but for the order, which files do not keep.
+    // As Mitsuba 3.9.1 names them. Files do not preserve the order.
     let names = [
         "all.far.R",
         "all.far.G",
@@ -273,8 +274,8 @@ fn layers_hold_what_they_are_named_for() {
     }
 }
 
-/// Where the shading normal leans over, light arrives from below the surface's horizon:
-/// `strict_normals` cuts it off.
+/// With a tilted shading normal, light arrives from below the surface's horizon: `strict_normals`
+/// removes it.
 #[test]
 fn strict_normals_take_light_away_where_shading_disagrees_with_the_surface() {
     let text = |strict: bool| {

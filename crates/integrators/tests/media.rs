@@ -1,4 +1,4 @@
-//! Closed forms: what light must come to in participating media.
+//! Closed forms: the expected light in participating media.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
@@ -14,7 +14,7 @@ struct Setup {
     integrator: Box<dyn Integrator>,
 }
 
-/// A grid in the unit cube whose extinction differs from cell to cell and from colour to colour.
+/// A grid in the unit cube whose extinction varies by cell and colour channel.
 fn grid() -> Vec<u8> {
     let header = [1, 3, 2, 2, 3].map(i32::to_le_bytes).concat();
     let bounds = [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0].map(f32::to_le_bytes).concat();
@@ -23,7 +23,7 @@ fn grid() -> Vec<u8> {
     [b"VOL\x03".to_vec(), header, bounds, values].concat()
 }
 
-/// Microflakes in the unit cube that differ from cell to cell.
+/// Microflakes in the unit cube that vary by cell.
 fn flakes() -> Vec<u8> {
     let header = [1, 2, 1, 1, 6].map(i32::to_le_bytes).concat();
     let bounds = [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0].map(f32::to_le_bytes).concat();
@@ -31,12 +31,12 @@ fn flakes() -> Vec<u8> {
     [b"VOL\x03".to_vec(), header, bounds, values.map(f32::to_le_bytes).concat()].concat()
 }
 
-/// An integrator that takes paths of any length.
+/// An integrator without a path length limit.
 fn unlimited(name: &str) -> String {
     format!(r#"<integrator type="{name}"/>"#)
 }
 
-/// An integrator that takes paths of at most that many edges.
+/// An integrator with this maximum path length in edges.
 fn limited(name: &str, depth: u32) -> String {
     format!(r#"<integrator type="{name}"><integer name="max_depth" value="{depth}"/></integrator>"#)
 }
@@ -58,7 +58,7 @@ fn setup(integrator: &str, text: &str, emitter_sampling: bool) -> Setup {
 }
 
 impl Setup {
-    /// What arrives along a ray, by channel.
+    /// The radiance along a ray, by channel.
     fn measure(&self, ray: Ray, samples: u32) -> [Accumulator; 3] {
         let spec = SamplerSpec::new(SamplerKind::Independent, samples, 5);
         let mut channels = [(); 3].map(|()| Accumulator::default());
@@ -74,7 +74,7 @@ impl Setup {
     }
 }
 
-/// Every channel's mean must be within five standard errors of what is expected.
+/// Every channel's mean must be within five standard errors of the expected value.
 #[track_caller]
 fn assert_close(what: &str, found: &[Accumulator; 3], expected: [f64; 3]) {
     for (found, expected) in found.iter().zip(expected) {
@@ -95,7 +95,7 @@ fn ball(medium: &str, bsdf: &str) -> String {
 
 const HOMOGENEOUS: &str = r#"type="homogeneous"><rgb name="sigma_t" value="0.3, 1, 2.5"/>"#;
 
-/// Black matter of thickness 2: light falls off with exp(−2 σ).
+/// A purely absorbing medium of thickness 2: light falls off with exp(−2 σ).
 #[test]
 fn absorption_is_the_exponential() {
     let expected = [0.3, 1.0, 2.5].map(|sigma: f64| (-2.0 * sigma).exp());
@@ -113,7 +113,7 @@ fn absorption_is_the_exponential() {
     }
 }
 
-/// Matter that absorbs nothing cannot be seen under even light, whatever it does to directions.
+/// A medium with albedo one is invisible under uniform light, whatever its phase function.
 #[test]
 fn a_furnace_stays_even_where_nothing_is_absorbed() {
     let phases = [
@@ -148,7 +148,7 @@ fn a_furnace_stays_even_where_nothing_is_absorbed() {
     }
 }
 
-/// The same of flakes that differ from place to place: the majorant bounds what they show.
+/// The same for spatially varying flakes: the majorant bounds their extinction.
 #[test]
 fn a_furnace_of_flakes_on_a_grid_stays_even() {
     let flakes = r#"<phase type="sggx"><volume name="S" type="gridvolume">
@@ -165,7 +165,7 @@ fn a_furnace_of_flakes_on_a_grid_stays_even() {
     }
 }
 
-/// Light found by chance alone and light sampled on emitters come to the same.
+/// Unidirectional sampling and emitter sampling have the same mean.
 #[test]
 fn both_ways_to_find_light_agree() {
     let medium = r#"type="heterogeneous"><float name="scale" value="2"/>
@@ -192,15 +192,15 @@ fn both_ways_to_find_light_agree() {
     }
 }
 
-/// One scattering in thin matter under a far light of irradiance E: L = E σs / 4π × length, of light
-/// that falls off on both ways.
+/// Single scattering in a thin medium under a distant light of irradiance E: L = E σs / 4π ×
+/// length, attenuated on both ways.
 #[test]
 fn light_scattered_once_is_a_closed_form() {
     let text = r#"<shape type="cube"><transform name="to_world"><scale x="50" y="50" z="1"/></transform>
         <bsdf type="null"/><medium name="interior" type="homogeneous">
         <rgb name="sigma_t" value="0.3, 1, 2.5"/><float name="albedo" value="0.5"/></medium></shape>
         <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><rgb name="irradiance" value="2"/></emitter>"#;
-    // Both ways are t long, for t from 0 to the thickness of 2: the integral of σs exp(−2 σt t).
+    // Both ways have length t, for t from 0 to the thickness of 2: the integral of σs exp(−2 σt t).
     let expected = [0.3, 1.0, 2.5].map(|sigma: f64| {
         let integral = 0.5 * (1.0 - (-2.0 * sigma * 2.0).exp()) / 2.0;
         2.0 * integral / (4.0 * std::f64::consts::PI)
@@ -212,7 +212,7 @@ fn light_scattered_once_is_a_closed_form() {
     }
 }
 
-/// Without media, `volpath` takes the very paths that `path` takes.
+/// Without media, `volpath` takes exactly the same paths as `path`.
 #[test]
 fn without_media_it_is_the_path_tracer() {
     let text = r#"<shape type="sphere"><bsdf type="plastic"/></shape>
@@ -250,7 +250,7 @@ fn a_ray_may_start_inside() {
     assert_close("inside", &found, [0.3, 1.0, 2.5].map(|sigma: f64| (-sigma).exp()));
 }
 
-/// Integrators of surfaces say that they leave media out; the others have nothing to say.
+/// Integrators of surfaces warn that they ignore media; the others give no warning.
 #[test]
 fn what_leaves_media_out_says_so() {
     let text = ball(&format!("{HOMOGENEOUS}<phase type=\"hg\"/>"), "null");

@@ -1,10 +1,10 @@
-//! Integrators inside others.
+//! Nested integrators.
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{IntegratorOptions, build_integrator};
 use etendue_mitsuba::{LoadOptions, read_text};
 
-/// The messages of building an integrator with another one inside.
+/// The messages of building an integrator with another one nested in it.
 fn messages(outer: &str, inner: &str) -> Vec<String> {
     let text = format!(
         r#"<scene version="3.0.0"><integrator type="{outer}">

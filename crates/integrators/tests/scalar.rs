@@ -1,5 +1,5 @@
-//! The scalar loop of `path` against its wavefront, to the bit: on every plugin's sample, on the
-//! gallery, and on the seed scenes where they are there.
+//! The scalar loop of `path` is bit-identical to its wavefront: on every plugin's sample, on the
+//! gallery, and on the seed scenes if they are present.
 #![allow(
     clippy::disallowed_methods,
     reason = "tests read the scenes of the repository, which the core never does"
@@ -76,7 +76,7 @@ impl Setup {
             .collect()
     }
 
-    /// Renders by both ways; returns the share of rays that found light.
+    /// Renders both ways; returns the fraction of rays that found light.
     fn assert_same(&self, what: &str, columns: u32) -> f32 {
         let mut wavefront = Vec::new();
         let mut rays = self.rays(columns);
@@ -97,7 +97,7 @@ impl Setup {
     }
 }
 
-/// What the samples of the manual read.
+/// The files that the manual's samples read.
 fn sample_files() -> MemoryResources {
     let file = |path: &str| fs::read(repository().join(path)).expect(path);
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
@@ -116,7 +116,7 @@ fn sample_files() -> MemoryResources {
         .with("wood.png", file("scenes/textures/wood.png"))
 }
 
-/// Parameters of `path` that take different ways through it.
+/// Parameters of `path` that exercise its different branches.
 const PARAMETERS: &[&str] = &[
     r#"<integer name="max_depth" value="8"/>"#,
     r#"<integer name="max_depth" value="6"/><integer name="rr_depth" value="1"/>"#,
@@ -128,7 +128,7 @@ const PARAMETERS: &[&str] = &[
 const CAMERA: &str = r#"<sensor type="perspective"><transform name="to_world">
     <lookat origin="1.5, 2, 3.6" target="0, 0.2, 0" up="0, 1, 0"/></transform></sensor>"#;
 
-/// A glowing sphere.
+/// An emitting sphere.
 const LAMP: &str = r#"<shape type="sphere"><point name="center" x="-2" y="2" z="-1"/>
     <emitter type="area"><rgb name="radiance" value="5, 6, 7"/></emitter></shape>"#;
 
@@ -173,7 +173,7 @@ fn assert_same_light(what: &str, body: &str) {
     assert!(lit > 0.1, "{what}: hardly any light");
 }
 
-/// The samples in the manual of a class, by plugin. Pictures of all formats are read alike.
+/// The samples in the manual of a class, by plugin. All picture formats are read alike.
 fn samples(class: Class) -> impl Iterator<Item = (&'static str, String)> {
     registry::plugins()
         .into_iter()
@@ -188,8 +188,8 @@ fn every_material_looks_the_same() {
     }
 }
 
-/// What lets light straight through: sheets, cut-outs, glowing masks, and the borders of media, which
-/// `path` leaves out.
+/// Null transmission: sheets, cut-outs, emitting masks, and medium interfaces, which `path`
+/// ignores.
 #[test]
 fn null_transmission_looks_the_same() {
     let diffuse = r#"<bsdf type="diffuse"/>"#;
@@ -240,7 +240,7 @@ fn the_gallery_looks_the_same() {
     assert!(count > 5, "{count} scenes");
 }
 
-/// Scenes that lie beside the repository.
+/// Scenes next to the repository.
 #[test]
 fn the_seed_scenes_look_the_same() {
     let folder = repository().join("../shared/seed-scenes/testcases");

@@ -1,14 +1,14 @@
-//! `$name` in attribute values.
+//! Substitution of `$name` in attribute values.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use etendue_document::near_names;
 
-/// The longest name in bytes that is looked for after a dollar sign.
+/// The maximum length in bytes of a name after a dollar sign.
 pub(crate) const NAME_LENGTH: usize = 64;
 
-/// At most this many names are searched for near ones.
+/// The maximum number of names searched for similar ones.
 const COMPARED_NAMES: usize = 1000;
 
 /// The values of `$names`.
@@ -35,14 +35,14 @@ struct Define {
 pub(crate) enum ExpansionError {
     /// There is no such name.
     Undefined { name: String, offset: usize, near: Vec<String> },
-    /// The expansions have grown beyond the limit.
+    /// The expansions exceed the limit.
     TooLong,
     /// The name's own value could not be expanded.
     Broken,
 }
 
 impl Defines {
-    /// Starts with the values given by the caller.
+    /// Starts with the caller's values.
     pub(crate) fn new(given: &[(String, String)], expansion_limit: usize) -> Self {
         let define =
             |value: &String| Define { value: Some(value.clone()), given: true, used: false };
@@ -50,8 +50,8 @@ impl Defines {
         Self { values, expanded_bytes: 0, expansion_limit, exhausted: false }
     }
 
-    /// Sets a default, which counts unless the name has a value; `None` is a default that could not be
-    /// expanded.
+    /// Sets a default, used unless the name already has a value; `None` is a default that could not
+    /// be expanded.
     pub(crate) fn add_default(&mut self, name: &str, value: Option<&str>) {
         match self.values.get_mut(name) {
             Some(define) => define.used = true,
@@ -86,7 +86,7 @@ impl Defines {
         Ok(Cow::Owned(expanded))
     }
 
-    /// The names that the caller gave and the scene does not use, and the names that it does use.
+    /// The caller's names that the scene does not use, and the names that it does use.
     pub(crate) fn unused(&self) -> (Vec<&str>, Vec<&str>) {
         let unused = self.values.iter().filter(|(_, define)| define.given && !define.used);
         let known = self.values.iter().filter(|(_, define)| define.used);
@@ -96,8 +96,8 @@ impl Defines {
 
     /// The value of the name after the dollar sign at `dollar`, and the length of the name.
     ///
-    /// As in Mitsuba, the longest known name wins: `$resx` is `$res` followed by an `x` where only `res`
-    /// is known.
+    /// As in Mitsuba, the longest known name wins: `$resx` is `$res` followed by an `x` if only
+    /// `res` is known.
     fn lookup(&mut self, text: &str, dollar: usize) -> Result<(usize, &str), ExpansionError> {
         let rest = &text[dollar + 1..];
         let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());

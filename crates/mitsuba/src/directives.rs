@@ -1,4 +1,4 @@
-//! The elements that change how the scene is read, rather than being part of it.
+//! The elements that control how the scene is read and are not part of it.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ pub(crate) fn reference(loader: &mut Loader<'_>, element: &Element<'_>, parent: 
     loader.builder.refer(parent, (name, element.span), (&id.value, id.span));
 }
 
-/// `<path value="..."/>`: another folder in which files are looked for.
+/// `<path value="..."/>`: an additional folder in which files are looked up.
 pub(crate) fn path(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
     let Some(value) = element.required("value", loader.diagnostics) else {
         return;
@@ -63,7 +63,7 @@ pub(crate) fn path(loader: &mut Loader<'_>, element: &Element<'_>, _: NodeId) {
     loader.resolver.scene_paths.push(folder);
 }
 
-/// `<vec value="x, y, z"/>`: a control point of the curve around it.
+/// `<vec value="x, y, z"/>`: a control point of the enclosing curve.
 pub(crate) fn control_point(loader: &mut Loader<'_>, element: &Element<'_>, parent: NodeId) {
     if loader.builder.node_mut(parent).class != Class::Curve {
         let message = "`<vec>` stands inside a `<curve>` only";

@@ -1,4 +1,4 @@
-//! One XML element with its attributes expanded and placed.
+//! One XML element with expanded attributes and their positions.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -15,14 +15,14 @@ use crate::origin::Origin;
 pub(crate) struct Attribute<'a> {
     pub(crate) name: &'a str,
     pub(crate) value: Cow<'a, str>,
-    /// Of the value.
+    /// The span of the value.
     pub(crate) span: Span,
-    /// Whether the value is byte for byte what the file holds.
+    /// Whether the value is byte for byte the same as in the file.
     verbatim: bool,
 }
 
 impl Attribute<'_> {
-    /// The place of a part of the value; after an expansion, of the whole value.
+    /// The position of a part of the value; after an expansion, of the whole value.
     pub(crate) fn part(&self, range: Range<usize>) -> Span {
         let Some(source) = self.span.source().filter(|_| self.verbatim) else {
             return self.span;
@@ -35,7 +35,7 @@ impl Attribute<'_> {
 /// An element whose attributes have been expanded.
 pub(crate) struct Element<'a> {
     pub(crate) node: roxmltree::Node<'a, 'a>,
-    /// The opening tag, without the bracket that ends it.
+    /// The opening tag without its closing bracket.
     pub(crate) span: Span,
     attributes: Vec<Attribute<'a>>,
     /// An attribute could not be expanded, which has been reported.
@@ -121,7 +121,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Reads an attribute with one of the number readers; reports what is wrong with it.
+    /// Reads an attribute with one of the number readers; reports errors.
     pub(crate) fn read<T>(
         &self,
         attribute: &Attribute<'a>,
@@ -134,8 +134,8 @@ impl<'a> Element<'a> {
         read(&attribute.value).map_err(report).ok()
     }
 
-    /// Three numbers in `value`, or one for all three, or `x`, `y` and `z`, each `default` when
-    /// absent; without a default all three are required.
+    /// Three numbers in `value`, or one for all three, or `x`, `y` and `z`, each of which defaults
+    /// to `default`; without a default all three are required.
     pub(crate) fn vector(&self, default: Option<f64>, diagnostics: &Diagnostics) -> Option<DVec3> {
         if let Some(value) = self.attribute("value") {
             return self.vector_in(value, diagnostics);
@@ -175,7 +175,7 @@ impl<'a> Element<'a> {
     }
 }
 
-/// The report of a failed expansion, unless it has been made already.
+/// Reports a failed expansion unless that has been reported already.
 fn describe(error: &ExpansionError, span: Span) -> Option<Diagnostic> {
     let diagnostic = match error {
         ExpansionError::Broken => return None,

@@ -6,29 +6,29 @@ use crate::element::Element;
 use crate::loader::Loader;
 use crate::{directives, transform, values};
 
-/// What an element is.
+/// The kind of an element.
 pub(crate) enum Kind {
     /// An object with a plugin.
     Object(Class),
-    /// A named value of the object around it.
+    /// A named value of the enclosing object.
     Value {
-        /// Reads it; reports what is wrong and then returns `None`.
+        /// Reads it; reports errors and then returns `None`.
         read: fn(&mut Loader<'_>, &Element<'_>) -> Option<Value>,
-        /// The attributes it takes.
+        /// The attributes it accepts.
         attributes: &'static [&'static str],
-        /// Whether it holds elements that `read` looks at.
+        /// Whether it holds elements that `read` inspects.
         nested: bool,
     },
     /// An instruction to the reader.
     Directive {
-        /// Carries it out, inside the given object.
+        /// Executes it, inside the given object.
         run: fn(&mut Loader<'_>, &Element<'_>, NodeId),
-        /// The attributes it takes.
+        /// The attributes it accepts.
         attributes: &'static [&'static str],
     },
-    /// Another file's content.
+    /// The content of another file.
     Include {
-        /// The attributes it takes.
+        /// The attributes it accepts.
         attributes: &'static [&'static str],
     },
 }
@@ -49,7 +49,7 @@ const fn directive(
 
 /// The elements inside a `<scene>` or an object.
 ///
-/// `camera` and `luminaire` are the names of versions before 0.5.
+/// Versions before 0.5 write `camera` and `luminaire`.
 static ELEMENTS: &[(&str, Kind)] = &[
     ("integrator", Kind::Object(Class::Integrator)),
     ("sensor", Kind::Object(Class::Sensor)),
@@ -86,7 +86,7 @@ static ELEMENTS: &[(&str, Kind)] = &[
     ("include", Kind::Include { attributes: &["filename", "name"] }),
 ];
 
-/// What the element of that name is.
+/// The kind of the element of that name.
 pub(crate) fn kind(element: &Element<'_>) -> Option<&'static Kind> {
     let name = element.name();
     // Version 3 writes colour plugins as `<spectrum type="...">`: they are textures.

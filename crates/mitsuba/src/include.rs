@@ -8,11 +8,12 @@ use crate::element::Element;
 use crate::loader::{Loader, OpenFile};
 use crate::text;
 
-/// Near names are sought for this many missing files, because each search lists whole folders.
+/// The maximum number of missing files for which similar names are suggested, because each search
+/// lists whole folders.
 const SUGGESTED: usize = 20;
 
-/// Opens what `<include filename="..."/>` names: the text of a `<scene>`, or of one object. After it
-/// has been read, [`close`] it.
+/// Opens the file of `<include filename="..."/>`: the text of a `<scene>`, or of one object. Call
+/// [`close`] after it has been read.
 pub(crate) fn open(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<SourceId> {
     let file = element.required("filename", loader.diagnostics)?;
     let resolver = &loader.resolver;
@@ -43,7 +44,8 @@ pub(crate) fn close(loader: &mut Loader<'_>) {
     loader.open_files.pop();
 }
 
-/// Whether a file may be included here; reports cycles, with all files on them, and limits.
+/// Whether a file may be included here; reports cycles, with all files on them, and exceeded
+/// limits.
 fn may_include(loader: &Loader<'_>, path: &Path, span: Span) -> bool {
     let report = |fault, message: String| {
         let mut diagnostic = Diagnostic::error(fault, span, message);
@@ -73,7 +75,7 @@ fn may_include(loader: &Loader<'_>, path: &Path, span: Span) -> bool {
 }
 
 impl Loader<'_> {
-    /// Reads a file and keeps its text; reports what is wrong with it.
+    /// Reads a file and stores its text; reports errors.
     pub(crate) fn read_source(&mut self, path: &Path, span: Option<Span>) -> Option<SourceId> {
         let name = self.display_name(path);
         let bytes = match self.resources.read(path) {
@@ -105,7 +107,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The path as the user would write it.
+    /// The path as a user would write it.
     fn display_name(&self, path: &Path) -> String {
         let working_directory = &self.options.working_directory;
         let short = path.strip_prefix(working_directory).ok();

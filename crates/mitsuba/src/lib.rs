@@ -1,10 +1,10 @@
-//! Mitsuba XML, versions 0.4 to 3, to the scene document.
+//! Reads Mitsuba XML, versions 0.4 to 3, into the scene document.
 //!
 //! [`read_file`] reads a file with everything it includes, substitutes `$names`, upgrades older
-//! dialects, and returns a [`Document`] in the element and parameter names of version 3. Errors go to
-//! [`Diagnostics`] with their places; reading continues after an error where it can, so that one run
-//! shows them all. Input may be hostile: sizes, nesting and expansions have [`Limits`], entities are
-//! refused, and nothing panics.
+//! dialects, and returns a [`Document`] with version 3's element and parameter names. Errors go to
+//! [`Diagnostics`] with their positions. Reading continues after an error where it can, so that one
+//! run shows them all. Input may be hostile: sizes, nesting and expansions have [`Limits`],
+//! entities are rejected, and nothing panics.
 #![forbid(unsafe_code)]
 
 mod defines;
@@ -34,14 +34,14 @@ pub use options::{Limits, LoadOptions};
 
 /// Reads a scene file and everything it includes.
 ///
-/// Findings go to `diagnostics`; [`Diagnostics::has_errors`] says whether the scene can be rendered.
-/// After errors, the document holds what could be read, so that errors of the plugins show in the same
-/// run.
+/// Findings go to `diagnostics`; [`Diagnostics::has_errors`] says whether the scene can be
+/// rendered. After errors, the document holds what could be read, so that errors of the plugins
+/// show in the same run.
 ///
 /// # Errors
 ///
-/// If the main file is not a scene at all. The error is the texts that were read, which excerpts of the
-/// findings are cut from.
+/// If the main file is not a scene at all. The error holds the texts that were read, for the
+/// excerpts of the findings.
 pub fn read_file(
     path: &Path,
     resources: &dyn Resources,
@@ -51,11 +51,11 @@ pub fn read_file(
     loader::Loader::new(resources, options, diagnostics).load_file(path)
 }
 
-/// The same for a scene in memory, whose folder is the working directory of the options.
+/// Like [`read_file`], for a scene in memory whose folder is the working directory of the options.
 ///
 /// # Errors
 ///
-/// As [`read_file`].
+/// Same as [`read_file`].
 pub fn read_text(
     text: &str,
     resources: &dyn Resources,

@@ -12,7 +12,7 @@ use crate::options::LoadOptions;
 use crate::origin::Origin;
 use crate::upgrade::Versions;
 
-/// A file that is being read, and where it was included.
+/// A file being read, and where it was included.
 pub(crate) struct OpenFile {
     pub(crate) path: PathBuf,
     pub(crate) included_at: Option<Span>,
@@ -28,20 +28,20 @@ pub(crate) struct Loader<'a> {
     pub(crate) defines: Defines,
     /// The file that is being read.
     pub(crate) source: SourceId,
-    /// Where in that file the parsed piece starts.
+    /// Where the parsed piece starts in that file.
     pub(crate) origin: Origin,
-    /// That file and those that include it.
+    /// That file and the chain of files that include it.
     pub(crate) open_files: Vec<OpenFile>,
     pub(crate) include_count: usize,
     pub(crate) missing_includes: usize,
     pub(crate) total_bytes: usize,
-    /// The major version that each file claims.
+    /// The major version that each file states.
     pub(crate) versions: Versions,
     /// The nodes so far.
     pub(crate) builder: DocumentBuilder<'a>,
-    /// How deep the element that is being read nests.
+    /// The nesting depth of the current element.
     pub(crate) depth: usize,
-    /// A limit was reached: nothing more is read.
+    /// A limit was reached; reading stops.
     pub(crate) stopped: bool,
 }
 
@@ -83,7 +83,7 @@ impl<'a> Loader<'a> {
         element
     }
 
-    /// Keeps a text, with the folder in which the files it names are.
+    /// Stores a text, with the folder of its file.
     pub(crate) fn add_source(
         &mut self,
         name: String,
@@ -95,7 +95,7 @@ impl<'a> Loader<'a> {
         self.sources.add(name, text)
     }
 
-    /// The folder of the file that is being read.
+    /// The folder of the file being read.
     pub(crate) fn source_folder(&self) -> &Path {
         &self.resolver.source_folders[self.source.index()]
     }

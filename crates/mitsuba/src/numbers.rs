@@ -1,8 +1,8 @@
-//! Numbers in attribute values.
+//! Parses numbers in attribute values.
 
 use std::ops::Range;
 
-/// What is wrong with a number or a list of them, and where in the value.
+/// An error in a number or a list of numbers, and where in the value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct NumberError {
     /// One sentence without a full stop.
@@ -42,7 +42,7 @@ fn number_at(offset: usize, word: &str) -> Result<f64, NumberError> {
     }
 }
 
-/// A whole number; one written with a fraction of zero is accepted.
+/// An integer; a fraction of zero is accepted.
 pub(crate) fn integer(value: &str) -> Result<i64, NumberError> {
     if let Ok(integer) = value.trim().parse() {
         return Ok(integer);
@@ -52,7 +52,7 @@ pub(crate) fn integer(value: &str) -> Result<i64, NumberError> {
     if float.fract() != 0.0 {
         return fail(format!("`{}` is not a whole number", shorten(value.trim())));
     }
-    // Beyond 2^53, floats cannot represent every whole number.
+    // Beyond 2^53, floats cannot represent every integer.
     if float.abs() > 2f64.powi(53) {
         return fail(format!("`{}` is too large a whole number", shorten(value.trim())));
     }

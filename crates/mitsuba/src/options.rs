@@ -7,38 +7,38 @@ use etendue_document::DocumentLimits;
 /// How a scene is loaded.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
-    /// Values for `$name`, which replace the scene's own defaults.
+    /// Values for `$name`, which override the scene's defaults.
     pub defines: Vec<(String, String)>,
-    /// Folders in which files are looked for, beside the scene's own.
+    /// Additional folders in which files are looked up.
     pub search_paths: Vec<PathBuf>,
-    /// Where relative paths start.
+    /// The base of relative paths.
     pub working_directory: PathBuf,
-    /// How much a scene may ask for.
+    /// Limits on the scene.
     pub limits: Limits,
 }
 
-/// Bounds on what a scene may ask for, far above what real scenes need.
+/// Limits of a scene, far above what real scenes need.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// Bytes of all files together, each counted as often as it is included.
+    /// The total size of all files in bytes, each counted as often as it is included.
     pub total_bytes: usize,
-    /// Limits of the document. Its depth bounds the nesting of elements too, includes counted in.
+    /// Limits of the document. Its depth also bounds the nesting of elements, including includes.
     pub document: DocumentLimits,
-    /// Attributes of one element.
+    /// The number of attributes of one element.
     pub attributes: usize,
-    /// Bytes of an object right inside the scene, which is parsed at once.
+    /// The size in bytes of a top-level object, which is parsed at once.
     pub object_bytes: usize,
-    /// Elements of one file.
+    /// The number of elements of one file.
     pub elements: usize,
-    /// XML nodes (elements, texts, comments) that are parsed at once.
+    /// The number of XML nodes (elements, texts, comments) that are parsed at once.
     pub xml_nodes: u32,
-    /// How deep files may include each other.
+    /// The nesting depth of includes.
     pub include_depth: usize,
-    /// Includes in total.
+    /// The total number of includes.
     pub includes: usize,
-    /// `<path>` entries; every file is sought in all of them.
+    /// The number of `<path>` entries; every file is looked up in all of them.
     pub paths: usize,
-    /// Bytes that all `$name` expansions together may produce.
+    /// The number of bytes that all `$name` expansions together may produce.
     pub expansion_bytes: usize,
 }
 

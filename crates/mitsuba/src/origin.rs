@@ -1,23 +1,23 @@
-//! From offsets in a parsed piece to places in the file.
+//! Maps offsets in a parsed piece to positions in the file.
 
 use std::ops::Range;
 
 use etendue_document::{SourceId, Span};
 
-/// Where the text that the parser was given stands in its file.
+/// Where the parsed text comes from in its file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Origin {
     pub(crate) source: SourceId,
-    /// Bytes of the opening tag in front.
+    /// The bytes of the opening tag at the front.
     pub(crate) wrapper: usize,
-    /// Where that tag stands in the file.
+    /// The offset of that tag in the file.
     pub(crate) root: usize,
-    /// Where the rest starts in the file.
+    /// The offset of the rest in the file.
     pub(crate) start: usize,
 }
 
 impl Origin {
-    /// The place in the file of what the parser has found.
+    /// The position in the file of something the parser found.
     pub(crate) fn span(&self, range: Range<usize>) -> Span {
         let place = |offset: usize| match offset.checked_sub(self.wrapper) {
             Some(offset) => self.start + offset,

@@ -1,8 +1,8 @@
-//! Long texts are parsed piece by piece, so that the parser's tree and the finished document are never
-//! in memory as a whole at the same time.
+//! Parses long texts in pieces, so that the parser's tree and the finished document are never both
+//! in memory as a whole.
 //!
-//! A piece is some elements right inside the `<scene>`, wrapped in its opening and closing tag. The
-//! parser sees a file of its own with the same namespaces, so its errors are the same.
+//! A piece is a range of top-level elements of the `<scene>`, wrapped in its opening and closing
+//! tag. The parser sees a complete file with the same namespaces, so its errors are the same.
 
 use std::ops::Range;
 
@@ -13,14 +13,14 @@ use crate::origin::Origin;
 use crate::scan::{self, Outline};
 use crate::syntax::{self, SyntaxError};
 
-/// A piece of a text, and where it is.
+/// A piece of a text, and its position.
 struct Piece {
     range: Range<usize>,
     is_first: bool,
     is_last: bool,
 }
 
-/// The pieces of a text; one, unless it is a long scene.
+/// The pieces of a text; only a long scene has more than one.
 fn pieces(text: &str, outline: &Outline) -> Vec<Piece> {
     let is_scene = text[outline.root.clone()].strip_prefix("<scene").is_some_and(|rest| {
         rest.starts_with(|next: char| next == '>' || next.is_ascii_whitespace())
@@ -36,7 +36,7 @@ fn pieces(text: &str, outline: &Outline) -> Vec<Piece> {
     starts.zip(ends).map(piece).collect()
 }
 
-/// Puts the root's tags around a piece that lacks them.
+/// Adds the root's tags to a piece that lacks them.
 fn wrap(text: &str, outline: &Outline, piece: &Piece, wrapped: &mut String) {
     wrapped.clear();
     if !piece.is_first {
@@ -49,8 +49,8 @@ fn wrap(text: &str, outline: &Outline, piece: &Piece, wrapped: &mut String) {
 }
 
 impl Loader<'_> {
-    /// Parses a stored text and calls `then` with the root of each piece, and whether it is the first
-    /// piece. Errors of any piece are reported before the first call.
+    /// Parses a stored text and calls `then` with the root of each piece, and whether it is the
+    /// first piece. Errors in any piece are reported before the first call.
     pub(crate) fn for_each_piece(
         &mut self,
         source: SourceId,
@@ -108,7 +108,7 @@ impl Loader<'_> {
         self.origin = outer;
     }
 
-    /// Parses a piece, unless it is too large to be parsed at once.
+    /// Parses a piece unless it is too large.
     fn parse_piece<'a>(
         &self,
         text: &'a str,
@@ -132,7 +132,7 @@ mod tests {
     use crate::options::{Limits, LoadOptions};
     use crate::read_text;
 
-    /// Several pieces of shapes, with `last` after all of them.
+    /// Several pieces of shapes, followed by `last`.
     fn long_scene(last: &str) -> String {
         let mut text = "<?xml version='1.0'?>\n<scene version='3.0.0'>\n".to_owned();
         text.push_str("<shape type='shapegroup' id='größe'><shape type='cube'/></shape>\n");

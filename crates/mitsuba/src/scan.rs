@@ -1,9 +1,9 @@
-//! A scan of the text before it is parsed, for what would make parsing slow or unsafe.
+//! Scans a text before parsing for anything that would make parsing slow or unsafe.
 //!
-//! The parser compares every attribute of an element with every other one, copies the namespaces
-//! of the outer elements to the inner ones, and reports a DOCTYPE without its place. This pass
-//! finds all three in linear time. It knows just enough XML to skip comments and quotes; errors
-//! of syntax are left to the parser.
+//! The parser compares every attribute of an element with every other one, copies the namespaces of
+//! outer elements to inner ones, and reports a DOCTYPE without its position. This pass finds all
+//! three in linear time. It knows just enough XML to skip comments and quotes; syntax errors are
+//! left to the parser.
 
 use std::ops::Range;
 
@@ -11,10 +11,10 @@ use etendue_document::Fault;
 
 use crate::options::Limits;
 
-/// Declarations of namespaces in one file; scenes need none.
+/// The maximum number of namespace declarations in one file; scenes need none.
 const NAMESPACE_LIMIT: usize = 16;
 
-/// The bytes of a piece, where a text can be split. The parser needs about six times as much memory.
+/// The target size of a piece in bytes. The parser needs about six times as much memory.
 pub(crate) const PIECE: usize = 1 << 20;
 
 /// Why a text is not passed to the parser.
@@ -31,14 +31,14 @@ pub(crate) struct Refused {
 pub(crate) struct Outline {
     /// The opening tag of the root.
     pub(crate) root: Range<usize>,
-    /// How many elements there are.
+    /// The number of elements.
     pub(crate) elements: usize,
-    /// Places between two elements right inside the root, some [`PIECE`] bytes apart.
+    /// Split points between two top-level elements, about [`PIECE`] bytes apart.
     pub(crate) breaks: Vec<usize>,
 }
 
-/// Checks nesting, attributes and declarations against the limits, and finds the places at which a long
-/// text can be split.
+/// Checks nesting, attributes and declarations against the limits, and finds the split points of a
+/// long text.
 pub(crate) fn scan(text: &str, limits: &Limits) -> Result<Outline, Refused> {
     let outline = Outline::default();
     let mut scanner = Scanner { text, limits, position: 0, depth: 0, outline };
@@ -68,7 +68,7 @@ impl<'a> Scanner<'a> {
         &self.text[self.position..]
     }
 
-    /// Goes to the next `<`.
+    /// Advances to the next `<`.
     fn next_tag(&mut self) -> bool {
         match self.rest().find('<') {
             Some(offset) => {
@@ -151,7 +151,7 @@ impl<'a> Scanner<'a> {
         Ok(())
     }
 
-    /// Remembers the end of an element right inside the root.
+    /// Records the end of a top-level element.
     fn note_break(&mut self, place: usize) {
         let Outline { root, breaks, .. } = &mut self.outline;
         if self.depth == 1 && place >= breaks.last().unwrap_or(&root.end) + PIECE {

@@ -1,4 +1,4 @@
-//! The parser's errors as messages with places.
+//! Turns the parser's errors into messages with positions.
 
 use std::ops::Range;
 
@@ -38,12 +38,12 @@ fn describe(text: &str, error: &Error) -> SyntaxError {
         _ => Fault::Syntax,
     };
     let message = message(error);
-    // These errors mean that the text ended too early: the place is the element left open.
+    // These errors mean that the text ended too early: report the element left open.
     let ends_early = matches!(error, Error::UnclosedRootNode | Error::UnexpectedEndOfStream);
     let range = match unclosed_element(text).filter(|_| ends_early) {
         Some(range) => range,
         None if matches!(error, Error::InvalidCharacterData(_)) => {
-            // The position that comes with it is the end of the text.
+            // The reported position is the end of the text.
             let end = offset_of(text, error.pos());
             text[..end].rfind("]]>").map_or(end..end, |start| start..start + 3)
         }
@@ -90,7 +90,7 @@ fn message(error: &Error) -> String {
     }
 }
 
-/// The parser's own message without the place it ends with, which the excerpt shows.
+/// The parser's own message without its trailing position, which the excerpt shows.
 fn without_position(message: &str) -> String {
     let cut = message
         .rfind(" at ")
@@ -132,8 +132,7 @@ fn word_at(text: &str, offset: usize) -> Range<usize> {
     offset..offset + word.max(character)
 }
 
-/// The opening tag of the innermost element that is never closed, found by counting opening and closing
-/// tags.
+/// The opening tag of the innermost unclosed element, found by counting opening and closing tags.
 fn unclosed_element(text: &str) -> Option<Range<usize>> {
     let mut open = Vec::new();
     let mut position = 0;

@@ -1,6 +1,6 @@
-//! Bytes to text, with clear errors for files that are not XML.
+//! Converts bytes to text, with clear errors for files that are not XML.
 
-/// Why bytes are not a text.
+/// Why bytes are not text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NotText {
     /// One sentence without a full stop.
@@ -34,7 +34,7 @@ pub(crate) fn decode(mut bytes: Vec<u8>) -> Result<String, NotText> {
     })
 }
 
-/// Points at the first byte that is not UTF-8, in the text before it.
+/// Reports the first byte that is not UTF-8, shown after the text before it.
 fn invalid_utf8(bytes: &[u8], error: &std::str::Utf8Error) -> NotText {
     let offset = error.valid_up_to();
     let line_end = bytes[offset..].iter().position(|byte| *byte == b'\n');

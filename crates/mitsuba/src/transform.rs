@@ -9,14 +9,14 @@ use crate::element::Element;
 use crate::loader::Loader;
 use crate::numbers;
 
-/// An operation: its element, its attributes, and how it is read.
+/// An operation: its element, its attributes and its reader.
 struct Operation {
     name: &'static str,
     attributes: &'static [&'static str],
     read: fn(&Element<'_>, &Diagnostics) -> Option<DMat4>,
 }
 
-/// `lookAt` is the spelling of versions before 2.
+/// Versions before 2 write `lookAt`.
 static OPERATIONS: &[Operation] = &[
     Operation { name: "translate", attributes: &["value", "x", "y", "z"], read: translate },
     Operation { name: "rotate", attributes: &["value", "x", "y", "z", "angle"], read: rotate },
@@ -41,7 +41,7 @@ pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
             None => failed = true,
         }
     }
-    // The product may be unusable even where every factor is usable.
+    // The product may be unusable even if every factor is usable.
     let usable = !failed && check(transform, name, element, loader.diagnostics);
     usable.then(|| Value::transform(transform))
 }
@@ -101,7 +101,7 @@ fn matrix(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
     None
 }
 
-/// Camera to world. Without `up`, any direction will do.
+/// Camera to world. Without `up`, an arbitrary up direction is chosen.
 fn look_at(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
     let vector = |name| {
         let attribute = element.required(name, diagnostics)?;
@@ -116,7 +116,7 @@ fn look_at(element: &Element<'_>, diagnostics: &Diagnostics) -> Option<DMat4> {
     look_at_matrix(origin, target, up).map_err(report).ok()
 }
 
-/// Whether a matrix can be used as the transform `name`; reports why not.
+/// Whether a matrix is usable as the transform `name`; reports why not.
 fn check(matrix: DMat4, name: &str, element: &Element<'_>, diagnostics: &Diagnostics) -> bool {
     let problem = transform_problem(name, matrix);
     if let Some(problem) = problem {
@@ -125,8 +125,8 @@ fn check(matrix: DMat4, name: &str, element: &Element<'_>, diagnostics: &Diagnos
     problem.is_none()
 }
 
-/// Nine numbers for `to_uv` are a homogeneous transformation of the plane, whose last column is
-/// the offset; here, offsets are in the fourth column.
+/// Nine numbers for `to_uv` are a homogeneous transformation of the plane whose last column is the
+/// offset; here, offsets are in the fourth column.
 fn planar_matrix(matrix: DMat4, element: &Element<'_>) -> DMat4 {
     let count = element.value("value").map_or(0, |value| numbers::words(value).count());
     if element.name() != "matrix" || count != 9 {

@@ -1,8 +1,8 @@
-//! Older dialects become the names of version 3, on the document, before any plugin sees it.
+//! Upgrades older dialects to version 3's names, on the document, before any plugin sees it.
 //!
-//! Real files mix dialects whatever version they claim, so the rules apply to every file; only changed
-//! defaults depend on the version. Renamed things change silently. What is rendered as an approximation
-//! is reported, each kind once, with every line.
+//! Real files mix dialects whatever version they state, so the rules apply to every file; only
+//! changed defaults depend on the version. Renames are silent. Approximations are reported, each
+//! kind once, with every line.
 
 mod approximation;
 mod bsdf;
@@ -27,7 +27,7 @@ use approximation::Approximations;
 /// The major version of each file that states one.
 pub(crate) type Versions = HashMap<SourceId, u32>;
 
-/// Upgrades every node. New nodes come after the old ones.
+/// Upgrades every node. New nodes are appended.
 pub(crate) fn upgrade(
     nodes: &mut Vec<FlatNode>,
     sources: &Sources,
@@ -45,7 +45,7 @@ pub(crate) fn upgrade(
         medium::old_defaults(node);
         medium::old_grid(node);
     }
-    // From the end, so that what is nested has been upgraded before what holds it.
+    // In reverse order, so that nested nodes are upgraded before their parents.
     for index in (0..nodes.len()).rev() {
         tables::rename_plugin(&mut nodes[index]);
         spectrum::inline(nodes, index);

@@ -69,8 +69,8 @@ pub(crate) fn srgb(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
     Some(Value::Rgb(linear(encoded)))
 }
 
-/// `<spectrum name="..." value="..."/>` with one number, `wavelength:value` pairs, or three
-/// numbers that are RGB (as version 0.6 reads them in its usual build); or with a `filename`.
+/// `<spectrum name="..." value="..."/>` with one number, `wavelength:value` pairs, or three RGB
+/// numbers (version 0.6 reads them so in its usual build); or with a `filename`.
 pub(crate) fn spectrum(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
     if let Some(file) = element.value("filename") {
         return Some(Value::Spectrum(SpectrumValue::File(file.to_owned())));
@@ -94,8 +94,8 @@ pub(crate) fn spectrum(loader: &mut Loader<'_>, element: &Element<'_>) -> Option
     }
 }
 
-/// `<blackbody name="..." temperature="5000"/>`, in kelvin, with an optional `scale`; a `K` after
-/// the number is accepted, as version 0.6 writes it.
+/// `<blackbody name="..." temperature="5000"/>`, in kelvin, with an optional `scale`. A `K` after
+/// the number is accepted, because version 0.6 writes it.
 pub(crate) fn blackbody(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
     let attribute = element.required("temperature", loader.diagnostics)?;
     let kelvin = |text: &str| numbers::number(text.trim_end().trim_end_matches(['K', 'k']));
@@ -112,8 +112,8 @@ pub(crate) fn blackbody(loader: &mut Loader<'_>, element: &Element<'_>) -> Optio
     Some(Value::Blackbody { temperature, scale })
 }
 
-/// The colour `#rrggbb` in 0 to 1, still encoded; `Some(None)` where the value does not start
-/// with `#`, `None` after an error has been reported.
+/// The colour `#rrggbb` in 0 to 1, still sRGB-encoded; `Some(None)` if the value does not start
+/// with `#`, `None` after reporting an error.
 fn hexadecimal(attribute: &Attribute<'_>, loader: &Loader<'_>) -> Option<Option<DVec3>> {
     let Some(digits) = attribute.value.trim().strip_prefix('#') else {
         return Some(None);

@@ -1,4 +1,4 @@
-//! The walk over the elements, which makes nodes of them.
+//! Walks over the elements and creates nodes.
 
 use std::path::Path;
 
@@ -14,11 +14,12 @@ use crate::loader::{Loader, OpenFile};
 use crate::upgrade;
 use crate::wrappers::Wrappers;
 
-/// A file with so many errors is not read to its end.
+/// Reading stops after this many errors in a file.
 const ERROR_LIMIT: usize = 500;
 
 impl Loader<'_> {
-    /// Reads the main file and everything it includes; where it is no scene, the texts read.
+    /// Reads the main file and everything it includes; if it is not a scene, returns the texts
+    /// read.
     pub(crate) fn load_file(mut self, path: &Path) -> Result<Document, Sources> {
         let path = self.options.working_directory.join(path);
         self.open_files.push(OpenFile { path: normalise(&path), included_at: None });
@@ -28,7 +29,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The same for a text in memory.
+    /// Like [`Self::load_file`], for a text in memory.
     pub(crate) fn load_text(mut self, name: &str, text: &str) -> Result<Document, Sources> {
         let source = self.add_source(name.to_owned(), text.to_owned(), None);
         self.load_source(source)
@@ -51,7 +52,7 @@ impl Loader<'_> {
         self.report_unused_defines();
         let Self { builder, mut sources, resolver, versions, diagnostics, .. } = self;
         let wrappers = Wrappers::find(builder.nodes());
-        // Excerpts for errors are the only further use of the texts.
+        // From here on, the texts are needed only for excerpts of errors.
         sources.pack();
         let redirect = |node, reference: &_| wrappers.redirect(node, reference, diagnostics);
         let mut document = builder.finish_with(sources, resolver, redirect);
@@ -78,7 +79,7 @@ impl Loader<'_> {
         })
     }
 
-    /// Checks the attributes of a `<scene>`: any version is read alike.
+    /// Checks the attributes of a `<scene>`. All versions are read alike.
     fn scene_attributes(&mut self, node: roxmltree::Node<'_, '_>) {
         let element = self.open(node);
         element.check_attributes(&["version", "type", "id", "name"], self.diagnostics);
@@ -97,7 +98,7 @@ impl Loader<'_> {
         self.diagnostics.warning(fault.0, version.span, fault.1);
     }
 
-    /// Reads what stands inside an element.
+    /// Reads the content of an element.
     fn visit_children(&mut self, node: roxmltree::Node<'_, '_>, parent: NodeId) {
         self.depth += 1;
         for child in node.children() {
@@ -145,7 +146,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Reads what an `<include>` stands for.
+    /// Reads the content of an `<include>`.
     fn include(&mut self, element: &Element<'_>, parent: NodeId) {
         let Some(source) = include::open(self, element) else {
             return;
@@ -185,7 +186,7 @@ impl Loader<'_> {
             return;
         };
         if let (Some(name), Some(id)) = (id, element.attribute("id")) {
-            // What has no type cannot be built: references to it are dropped silently.
+            // An element without a type cannot be built; references to it are dropped silently.
             let target = if plugin.is_some() { Target::Node(node) } else { Target::Broken };
             self.builder.define(name, target, id.span);
         }
@@ -198,7 +199,7 @@ impl Loader<'_> {
         self.visit_children(element.node, node);
     }
 
-    /// Whether a `type` says anything; reports where it does not.
+    /// Whether a `type` is not empty; reports it if it is.
     fn is_named(&self, plugin: &Attribute<'_>) -> bool {
         let is_named = !plugin.value.trim().is_empty();
         if !is_named {
@@ -257,7 +258,7 @@ impl Loader<'_> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// A misspelt name on the command line would otherwise go unnoticed.
+    /// Otherwise a misspelt name on the command line would go unnoticed.
     fn report_unused_defines(&self) {
         let (unused, known) = self.defines.unused();
         for name in unused {

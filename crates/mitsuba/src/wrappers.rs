@@ -1,7 +1,7 @@
-//! Materials whose id stands on what they wrap.
+//! Materials whose id belongs to what they wrap.
 //!
-//! Real scenes put a material into a bump map and give the id to the material. Nothing could ever refer
-//! to the bump map, so a reference to the material means the wrapper.
+//! Real scenes wrap a material in a bump map and give the id to the inner material. Nothing could
+//! ever refer to the bump map, so a reference to the material means the wrapper.
 
 use std::collections::HashMap;
 
@@ -16,11 +16,11 @@ struct Wrapper {
     span: Span,
 }
 
-/// The wrappers by the BSDF with an id inside them.
+/// The wrappers, indexed by the BSDF with an id inside them.
 pub(crate) struct Wrappers(HashMap<NodeId, Wrapper>);
 
 impl Wrappers {
-    /// Looks for wrappers right inside the scene. Nested nodes alone count, not references.
+    /// Finds top-level wrappers. Only nested nodes count, not references.
     pub(crate) fn find(nodes: &[FlatNode]) -> Self {
         let mut wrappers = HashMap::new();
         let children = nodes.first().map(|scene| &*scene.children).unwrap_or_default();
@@ -39,7 +39,7 @@ impl Wrappers {
         Self(wrappers)
     }
 
-    /// The wrapper of a node, where it has one and the reference does not come from inside it.
+    /// The wrapper of a node, if it has one and the reference does not come from inside it.
     pub(crate) fn redirect(
         &self,
         node: NodeId,
@@ -49,8 +49,8 @@ impl Wrappers {
         let Some(wrapper) = self.0.get(&node) else {
             return node;
         };
-        // Nodes are numbered in the order of the file: those between the wrapper and the wrapped node
-        // are inside the wrapper.
+        // Nodes are numbered in file order: those between the wrapper and the wrapped node are
+        // inside the wrapper.
         if (wrapper.node..=node).contains(&reference.parent) {
             return node;
         }
@@ -67,12 +67,12 @@ impl Wrappers {
     }
 }
 
-/// A node that is there already; `None` for a reference that is not resolved yet.
+/// An existing node; `None` for an unresolved reference.
 fn node(nodes: &[FlatNode], id: NodeId) -> Option<&FlatNode> {
     nodes.get(id.index())
 }
 
-/// The first BSDF with an id down the only line of nested BSDFs.
+/// The first BSDF with an id along the chain of single nested BSDFs.
 fn only_named_bsdf(nodes: &[FlatNode], wrapper: &FlatNode) -> Option<NodeId> {
     let mut outer = wrapper;
     loop {

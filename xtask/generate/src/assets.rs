@@ -1,8 +1,8 @@
-//! `cargo xtask assets`: makes the meshes, pictures and volumes that the scenes under `scenes/` and
-//! the test scenes use.
+//! `cargo xtask assets`: generates the meshes, pictures and volumes that the scenes under `scenes/`
+//! and the test scenes use.
 //!
-//! They are committed, so that a clone renders without this; `--check` fails where a committed file
-//! differs from what this makes.
+//! They are committed, so a clone renders without this command; `--check` fails if a committed file
+//! differs from its generated content.
 
 mod noise;
 mod paint;
@@ -19,14 +19,14 @@ use crate::repository::{Made, Mode, write_or_check};
 /// What to do with the files.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Write nothing; fail where a file is not what would be written
+    /// Write nothing; fail if a file is out of date
     #[arg(long)]
     check: bool,
 }
 
-/// A file and what makes its bytes.
+/// A file and the function that generates its bytes.
 struct Asset {
-    /// Where it lies, from the root of the repository.
+    /// Its path from the root of the repository.
     path: &'static str,
     make: fn() -> Vec<u8>,
 }
@@ -56,7 +56,7 @@ const ASSETS: &[Asset] = &[
     asset("scenes/textures/wood.png", pictures::wood),
 ];
 
-/// The greatest size of one file, in bytes: a clone is to stay small.
+/// The maximum size of a file in bytes, to keep clones small.
 const SIZE_LIMIT: usize = 500_000;
 
 /// Writes the files, or checks them.

@@ -1,7 +1,7 @@
-//! `cargo xtask bits`: the pictures of two `etendue` binaries, compared bit by bit, and their times.
+//! `cargo xtask bits`: compares the pictures of two `etendue` binaries bit by bit, and their times.
 //!
-//! The scenes are those under `scenes/`, the test scenes with every integrator of their table, and
-//! where `../shared` is beside the repository, the seed scenes and Mitsuba's render tests.
+//! The scenes are those under `scenes/`, the test scenes with every integrator of their table, and,
+//! if `../shared` exists beside the repository, the seed scenes and Mitsuba's render tests.
 
 mod scenes;
 mod times;
@@ -19,25 +19,25 @@ use times::{Pair, Times};
 /// What to compare.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// The `etendue` command of before
+    /// The old `etendue` command
     #[arg(long, value_name = "FILE")]
     before: PathBuf,
-    /// The one of after; otherwise that of this checkout
+    /// The new `etendue` command; this checkout's if not given
     #[arg(long, value_name = "FILE")]
     after: Option<PathBuf>,
     /// Samples per pixel
     #[arg(long, value_name = "COUNT", default_value_t = 4)]
     spp: u32,
-    /// How often both render every scene, in turns; all rounds count for the times
+    /// The number of rounds in which both render every scene; all rounds count for the times
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
-    /// The folder of the seed scenes and of Mitsuba's render tests; left out where it is missing
+    /// The folder of the seed scenes and of Mitsuba's render tests; skipped if it does not exist
     #[arg(long, value_name = "FOLDER", default_value_os_t = root().join("../shared"))]
     shared: PathBuf,
-    /// Only scenes whose names contain this
+    /// Compare only scenes whose names contain this
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
-    /// More options for the binary of after, such as `--portable` or `--seed 1`
+    /// More options for the new binary, such as `--portable` or `--seed 1`
     #[arg(last = true, value_name = "OPTION")]
     options: Vec<String>,
 }
@@ -83,7 +83,7 @@ struct Binary<'a> {
     folder: PathBuf,
 }
 
-/// Renders a scene with both and says what differs. The two take turns at being first.
+/// Renders a scene with both and reports differences. The two alternate in going first.
 fn compare_binaries(
     case: &Case,
     [before, after]: &[Binary<'_>; 2],
@@ -107,9 +107,9 @@ fn compare_binaries(
     Ok(difference)
 }
 
-/// What a render leaves.
+/// The output of a render.
 struct Rendered {
-    /// The colours in full precision, and every channel in the scene's.
+    /// The colours in full precision, and all channels in the scene's precision.
     pictures: Vec<Picture>,
     times: Times,
 }
@@ -122,7 +122,7 @@ impl Binary<'_> {
         let mut command = render(self.path, &case.scene, &case.options);
         command.args(["--spp", &samples.to_string()]).args(self.options);
         for file in &files {
-            // What an earlier render has left must not be compared.
+            // Do not compare the output of an earlier render.
             let _ = std::fs::remove_file(file);
             command.arg("--output").arg(file);
         }
@@ -137,7 +137,7 @@ impl Binary<'_> {
     }
 }
 
-/// What differs first: sizes, channels, or the bits of their values.
+/// The first difference: sizes, channels, or the bits of their values.
 fn first_difference(before: &Picture, after: &Picture) -> Option<String> {
     let sizes = [before, after].map(|picture| (picture.width, picture.height));
     if sizes[0] != sizes[1] {

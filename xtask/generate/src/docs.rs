@@ -1,4 +1,4 @@
-//! `cargo xtask docs`: writes the reference pages from what the code says of itself.
+//! `cargo xtask docs`: generates the reference pages from the code.
 
 mod command_line;
 mod coverage;
@@ -11,7 +11,7 @@ use crate::repository::{Made, Mode, write_or_check};
 /// What to do with the pages.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Write nothing; fail where a page is not what would be written
+    /// Write nothing; fail if a page is out of date
     #[arg(long)]
     check: bool,
 }

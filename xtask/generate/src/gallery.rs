@@ -18,7 +18,7 @@ use table::{EmitterSampling, Entry, SECTIONS, Section};
 /// What to render.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Pictures or scenes, by name; all where none is named
+    /// Pictures or scenes, by name; all if none is named
     names: Vec<String>,
     /// A factor on the numbers of samples, for drafts
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     fs::write(&path, page::page()).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// The pictures of these names or of scenes of these names.
+/// The pictures with these names, or of scenes with these names.
 fn choose(names: &[String]) -> Result<Vec<(&'static Section, &'static Entry)>, String> {
     let all = || {
         SECTIONS
@@ -65,7 +65,7 @@ fn choose(names: &[String]) -> Result<Vec<(&'static Section, &'static Entry)>, S
     Ok(all().filter(|picture| is_chosen(*picture)).collect())
 }
 
-/// The PNG file of a picture.
+/// Renders a picture to PNG.
 fn render(
     section: &Section,
     entry: &Entry,
@@ -77,7 +77,7 @@ fn render(
     let scene_options = SceneOptions {
         defines: entry.defines.iter().map(text).collect(),
         integrator: IntegratorOptions { emitter_sampling, ..IntegratorOptions::default() },
-        // Scenes that show how it is done have no parameter that nobody knows.
+        // The scenes serve as examples, so they must not contain unknown parameters.
         strict: true,
         ..SceneOptions::default()
     };

@@ -1,6 +1,6 @@
-//! Developer commands that need the renderer: generated files (meshes and pictures of the scenes, the
-//! gallery, reference pages, references of tests), the comparison of two binaries, and a scene's
-//! triangles for benchmarks. `cargo xtask` calls it.
+//! Developer commands that need the renderer: generated files (meshes and pictures of the scenes,
+//! the gallery, reference pages, references of tests), the comparison of two binaries, and the
+//! export of a scene's triangles for benchmarks. `cargo xtask` calls this program.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::disallowed_methods,
@@ -27,7 +27,7 @@ use clap::Parser;
 enum Command {
     /// The meshes and pictures that the scenes use
     Assets(assets::Arguments),
-    /// The pictures of two binaries, compared bit by bit, and their times
+    /// Compare the pictures of two binaries bit by bit, and their times
     Bits(bits::Arguments),
     /// The reference pages under docs/
     Docs(docs::Arguments),

@@ -1,4 +1,4 @@
-//! `cargo xtask references`: renders the references of the test scenes, as their table says.
+//! `cargo xtask references`: renders the references of the test scenes according to their table.
 
 use std::path::PathBuf;
 
@@ -9,12 +9,12 @@ use crate::repository::root;
 use crate::test_scenes::cases::{self, Expected};
 use crate::test_scenes::{build, folder, render, succeed};
 
-/// Which references, and what makes them.
+/// Which references to render, and how.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Scenes by name; all where none is named
+    /// Scenes by name; all if none is named
     names: Vec<String>,
-    /// The `etendue` command that renders; otherwise that of this checkout
+    /// The `etendue` command to render with; this checkout's if not given
     #[arg(long, value_name = "FILE")]
     binary: Option<PathBuf>,
 }
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), String> {
     Ok(())
 }
 
-/// The colours and their standard errors in half floats, whose range is too small for variances.
+/// The colours and their standard errors in half floats; variances would exceed their range.
 fn compact(picture: &Picture) -> Result<Vec<u8>, String> {
     let mut stored = Picture::new(picture.width, picture.height);
     let plane = |name: &str| {

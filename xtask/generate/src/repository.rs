@@ -8,19 +8,19 @@ pub(crate) fn root() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// A committed file that is made, with its path from the root.
+/// A generated file that is committed, with its path from the root.
 pub(crate) struct Made {
     pub(crate) path: &'static str,
     pub(crate) bytes: Vec<u8>,
 }
 
 impl Made {
-    /// Whether the file in the repository is this one.
+    /// Whether the file in the repository is up to date.
     pub(crate) fn is_current(&self) -> bool {
         fs::read(root().join(self.path)).is_ok_and(|bytes| bytes == self.bytes)
     }
 
-    /// Puts it in its place.
+    /// Writes the file to its path.
     pub(crate) fn write(&self) -> Result<(), String> {
         let path = root().join(self.path);
         let message = |error: std::io::Error| format!("{}: {error}", self.path);
@@ -41,13 +41,13 @@ pub(crate) enum Mode {
 }
 
 impl Mode {
-    /// What `--check` says.
+    /// The mode that `--check` selects.
     pub(crate) fn from_check(check: bool) -> Self {
         if check { Self::Check } else { Self::Write }
     }
 }
 
-/// Writes the files, or fails naming those that are not what would be written.
+/// Writes the files, or fails and names those that are out of date.
 pub(crate) fn write_or_check(files: &[Made], mode: Mode) -> Result<(), String> {
     if mode == Mode::Write {
         return files.iter().try_for_each(Made::write);

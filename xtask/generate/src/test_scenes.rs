@@ -1,4 +1,4 @@
-//! The scenes that are rendered and compared: where they are, and how the `etendue` command is called.
+//! The test scenes: where they are, and how the `etendue` command renders them.
 
 #[path = "../../../crates/cli/tests/references/cases.rs"]
 pub(crate) mod cases;
@@ -8,12 +8,12 @@ use std::process::Command;
 
 use crate::repository::root;
 
-/// Where the test scenes are.
+/// The folder of the test scenes.
 pub(crate) fn folder() -> PathBuf {
     root().join("crates/cli/tests/references/scenes")
 }
 
-/// The optimised `etendue` command of this checkout, built.
+/// Builds the optimised `etendue` command of this checkout and returns its path.
 ///
 /// # Errors
 /// If it does not compile.
@@ -31,7 +31,7 @@ pub(crate) fn build() -> Result<PathBuf, String> {
     }
 }
 
-/// A render that keeps no checkpoint, to be given more options.
+/// A render command without a checkpoint, to be extended with options.
 pub(crate) fn render(binary: &Path, scene: &Path, options: &[String]) -> Command {
     let mut command = Command::new(binary);
     command.arg("render").arg(scene).args(options);
@@ -39,10 +39,10 @@ pub(crate) fn render(binary: &Path, scene: &Path, options: &[String]) -> Command
     command
 }
 
-/// Runs a command; what it says on standard error becomes the message.
+/// Runs a command; its standard error becomes the error message.
 ///
 /// # Errors
-/// If it does not start or does not succeed.
+/// If it cannot start or fails.
 pub(crate) fn succeed(command: &mut Command) -> Result<(), String> {
     let output = command.output();
     let output = output.map_err(|error| format!("{:?}: {error}", command.get_program()))?;

@@ -1,11 +1,11 @@
-//! The triangles and the first camera of a scene in a plain binary file, so that `cargo xtask bench
-//! rays` can trace them without the renderer.
+//! Writes the triangles and the first camera of a scene to a plain binary file, so that `cargo
+//! xtask bench rays` can trace them without the renderer.
 //!
-//! All numbers are little-endian. First the camera: three pairs of an origin and a direction, of
-//! the film's left upper, right upper and left lower corner; rays between them are linear in the
-//! film position. Then the number of meshes, and for each the number of vertices, the number of
-//! triangles, the vertices (three `f32` each) and the triangles (three `u32` each). Counts are
-//! `u64`.
+//! All numbers are little-endian. The camera comes first: three pairs of an origin and a direction,
+//! for the upper left, upper right and lower left corner of the film. Rays between them are linear
+//! in the film position. Then follow the number of meshes, and for each mesh the number of
+//! vertices, the number of triangles, the vertices (three `f32` each) and the triangles (three
+//! `u32` each). Counts are `u64`.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

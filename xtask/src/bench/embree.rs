@@ -1,15 +1,14 @@
-//! Embree, from the wheel `embreex` of PyPI, below the target folder.
+//! Installs Embree from the wheel `embreex` of PyPI below the target folder.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::workspace::root;
 
-/// The version that figures are quoted for.
+/// The version of published figures.
 const VERSION: &str = "embreex==4.4.0";
 
-/// Fetches the library unless it is there; returns its path. The thread library it needs lies beside
-/// it.
+/// Installs the library if needed; returns its path. The thread library it needs lies next to it.
 pub(super) fn install() -> Result<PathBuf, String> {
     let folder = root().join("target/bench/embree");
     if let Some(library) = find(&folder) {

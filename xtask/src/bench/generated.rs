@@ -1,4 +1,4 @@
-//! Scenes of any size, written as files: hills of triangles, and instances of a plate.
+//! Generates scenes of any size as files: hills of triangles, and instances of a plate.
 
 use std::fs::File;
 use std::io::{BufWriter, Result, Write};
@@ -13,10 +13,10 @@ const HEAD: &str = r#"<scene version="3.0.0"><integrator type="path"><integer na
 const TERRAIN: &str = r#"<shape type="ply"><string name="filename" value="terrain.ply"/><bsdf type="diffuse"/></shape>"#;
 const GROUP: &str = r#"<shape type="shapegroup" id="plate"><shape type="ply"><string name="filename" value="plate.ply"/><bsdf type="diffuse"/></shape></shape>"#;
 
-/// Quads along a side of the plate that instances place: ten thousand triangles.
+/// Quads along a side of the instanced plate: ten thousand triangles.
 const PLATE: usize = 71;
 
-/// What a scene has many of.
+/// What is repeated in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Triangles of one mesh.
@@ -57,7 +57,7 @@ pub(super) fn write(folder: &Path, kind: Kind, count: usize) -> Result<PathBuf> 
     Ok(path)
 }
 
-/// Instances of the group `plate`, turned this way and that, on a grid over the unit square.
+/// Instances of the group `plate` in different orientations, on a grid over the unit square.
 fn write_instances(file: &mut impl Write, count: usize) -> Result<()> {
     let side = count.isqrt().max(1);
     let scale = 0.8 / side as f64;

@@ -1,4 +1,5 @@
-//! Where figures go: a table for people, JSON for programs, a folder of `benches/runs` for the record.
+//! Output of figures: a table for people, JSON for programs, a folder in `benches/runs` for the
+//! record.
 
 use clap::Args;
 use serde_json::Value;
@@ -11,14 +12,14 @@ pub(super) struct SavedRun {
     /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
-    /// Also store the figures as JSON below benches/runs, in a folder named by day and machine, such as
-    /// 2026-11-22-amd-epyc-zen5
+    /// Also store the figures as JSON below benches/runs, in a folder named by day and machine,
+    /// such as 2026-11-22-amd-epyc-zen5
     #[arg(long, value_name = "FOLDER", value_parser = folder_name)]
     keep: Option<String>,
 }
 
 impl SavedRun {
-    /// Whether figures are wanted as JSON at all.
+    /// Whether figures are needed as JSON.
     pub(super) fn wants_json(&self) -> bool {
         self.json || self.keep.is_some()
     }
@@ -44,7 +45,7 @@ pub(super) fn finish(name: &str, figures: &Value, keeping: &SavedRun) -> Result<
     text(name, &json, keeping)
 }
 
-/// The same for figures that are JSON already.
+/// Like [`finish`], for figures that are JSON already.
 pub(super) fn text(name: &str, text: &str, keeping: &SavedRun) -> Result<(), String> {
     if keeping.json {
         print!("{text}");

@@ -1,4 +1,4 @@
-//! Mitsuba 3 from PyPI, in a virtual environment below the target folder.
+//! Installs Mitsuba 3 from PyPI into a virtual environment below the target folder and measures it.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,16 +7,16 @@ use super::Measured;
 use super::scenes::Scene;
 use crate::workspace::root;
 
-/// The version that figures are quoted for.
+/// The version of published figures.
 const VERSION: &str = "mitsuba==3.9.1";
 
 /// The fastest mode on processors; it needs LLVM's shared library on the machine.
 const VARIANT: &str = "llvm_ad_rgb";
 
-/// Times one scene; the arguments are described at its head.
+/// The script that times one scene; its header describes the arguments.
 const SCRIPT: &str = include_str!("mitsuba.py");
 
-/// Installs the peer unless it is installed; returns its Python interpreter.
+/// Installs the peer if needed; returns its Python interpreter.
 pub(super) fn install() -> Result<PathBuf, String> {
     let folder = root().join("target/bench/mitsuba");
     let python = folder.join("bin/python");
@@ -30,7 +30,7 @@ pub(super) fn install() -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// The rate is that of the difference of two numbers of samples.
+/// The rate comes from the difference of two sample counts.
 pub(super) fn measure(
     python: &Path,
     scene: &Scene,

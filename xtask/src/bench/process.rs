@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::etendue;
 
-/// What is rendered, and how.
+/// What to render, and how.
 pub(super) struct Job<'a> {
     /// The scene file.
     pub(super) scene: &'a Path,
@@ -20,20 +20,20 @@ pub(super) struct Job<'a> {
     pub(super) samples: u32,
     /// Threads.
     pub(super) threads: u32,
-    /// The reconstruction filter, if not the scene's.
+    /// The reconstruction filter, if different from the scene's.
     pub(super) filter: Option<&'a str>,
 }
 
-/// What a render took.
+/// The cost of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Figures {
-    /// From the start of the process to its end, in seconds.
+    /// Wall time of the process in seconds.
     pub(super) wall_seconds: f64,
-    /// From the start of the process until it reported that rendering starts.
+    /// Seconds from the start of the process until it reported that rendering starts.
     pub(super) load_seconds: f64,
-    /// While rendering, without loading.
+    /// The rate while rendering, without loading.
     pub(super) samples_per_second: f64,
-    /// Peak memory as the system counts it, with the mapped program itself. NaN where the system does
+    /// Peak memory as the system counts it, including the mapped executable. NaN if the system does
     /// not report it.
     pub(super) peak_megabytes: f64,
 }
@@ -63,7 +63,7 @@ pub(super) fn start(job: &Job<'_>, name: &str) -> Result<Running, String> {
 }
 
 impl Running {
-    /// Waits for its end.
+    /// Waits for the process to end.
     pub(super) fn finish(mut self) -> Result<Figures, String> {
         let started = self.started;
         let news = self.child.stdout.take().ok_or("the render has no output")?;
@@ -71,8 +71,8 @@ impl Running {
         let status = format!("/proc/{}/status", self.child.id());
         let mut peak_megabytes = f64::NAN;
         let outcome = loop {
-            // The system discards the peak with the process, so the last reading counts. (Polled,
-            // because the standard library does not report what a child used.)
+            // The system discards the peak with the process, so the last reading counts. (It is
+            // polled because the standard library does not report a child's resource usage.)
             peak_megabytes = self::peak_megabytes(&status).unwrap_or(peak_megabytes);
             if let Some(outcome) = self.child.try_wait().map_err(|error| error.to_string())? {
                 break outcome;
@@ -94,7 +94,7 @@ impl Running {
 
 /// The events that a render has reported.
 struct News {
-    /// When the first line came, which says that the render begins.
+    /// When the first line arrived, which means that rendering begins.
     first_after: Duration,
     text: String,
 }
@@ -109,7 +109,7 @@ fn listen(news: impl Read, started: Instant) -> Result<News, String> {
     Ok(News { first_after, text })
 }
 
-/// The rate in the last line of news that has one.
+/// The rate in the last progress line that has one.
 fn rate(news: &str) -> Option<f64> {
     let rate = |line| serde_json::from_str::<Value>(line).ok()?["samples_per_second"].as_f64();
     news.lines().rev().find_map(rate)

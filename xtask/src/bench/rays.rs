@@ -10,7 +10,7 @@ use super::keep::{self, SavedRun};
 use crate::generate;
 use crate::workspace::{cargo, root};
 
-/// Traces rays beside a peer.
+/// Compares ray tracing with a peer.
 #[derive(Debug, Parser)]
 pub(super) struct Arguments {
     /// The scene whose triangles and first camera are used
@@ -26,7 +26,7 @@ pub(super) struct Arguments {
     /// How often every kind of rays is traced, all hierarchies in turn; the best round counts
     #[arg(long, value_name = "COUNT", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
-    /// How our hierarchy is built: fast, balanced, spatial
+    /// The build preset of our hierarchy: fast, balanced, spatial
     #[arg(long, value_name = "NAME", default_value = "balanced")]
     preset: String,
     /// Also trace this many rays at a time with our hierarchy, as the renderer does
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
     keep::text("rays", &String::from_utf8_lossy(&output.stdout), &arguments.keeping)
 }
 
-/// Writes the file of a scene's triangles, below `target`.
+/// Writes the triangles of a scene to a file below `target`.
 fn triangles_of(scene: &Path) -> Result<PathBuf, String> {
     let folder = root().join("target/bench");
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
@@ -81,7 +81,7 @@ fn triangles_of(scene: &Path) -> Result<PathBuf, String> {
     if generate::triangles(&from, &to) { Ok(path) } else { Err(format!("{from} does not load")) }
 }
 
-/// Runs a command to its end.
+/// Runs a command and waits for it.
 pub(super) fn check(command: &mut Command) -> Result<(), String> {
     let status = command.status().map_err(|error| error.to_string())?;
     if status.success() { Ok(()) } else { Err(format!("failed: {status}")) }

@@ -1,5 +1,5 @@
-//! `cargo xtask bench scale`: rate and memory by the number of triangles and of instances, of the
-//! tree alone and of whole renders, which must keep within two limits.
+//! `cargo xtask bench scale`: rate and memory by the number of triangles and of instances, for the
+//! tree alone and for whole renders. Two memory limits must hold.
 
 use clap::Parser;
 use serde_json::{Value, json};
@@ -10,9 +10,9 @@ use super::process::{self, Figures, Job};
 use crate::etendue;
 use crate::workspace::cargo;
 
-/// Generated scenes of growing size, on one thread and on two: the tree alone, and whole renders by
-/// the command line. Fails where ten million triangles take more than 1.5 GB at the peak, or a million
-/// instances more than 500 MB.
+/// Generated scenes of increasing size, on one thread and on two: the tree alone, and whole renders
+/// by the command line. Fails if ten million triangles need a peak of more than 1.5 GB, or a
+/// million instances more than 500 MB.
 #[derive(Debug, Parser)]
 pub(super) struct Arguments {
     /// At most this many triangles or instances
@@ -28,13 +28,13 @@ pub(super) struct Arguments {
     keeping: SavedRun,
 }
 
-/// What is counted, how many of them, and the megabytes that the largest number may take.
+/// What is counted, the numbers of it, and the limit in megabytes for the largest number.
 const SERIES: [(Kind, &[usize], f64); 2] = [
     (Kind::Triangles, &[1_000, 10_000, 100_000, 1_000_000, 10_000_000], 1500.0),
     (Kind::Instances, &[1_000, 10_000, 100_000, 1_000_000], 500.0),
 ];
 
-/// A row is measured for each of these.
+/// One row is measured for each of these thread counts.
 const THREADS: [u32; 2] = [1, 2];
 
 /// Runs the benchmark.
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), String> {
     if broken.is_empty() { Ok(()) } else { Err(broken.join("; ")) }
 }
 
-/// The columns of a row of the tree alone, as the program prints them.
+/// The columns of a row for the tree alone, as the program prints them.
 const TREE_COLUMNS: [(&str, &str); 5] = [
     ("build s", "build_seconds"),
     ("Mrays/s", "mrays_per_second"),
@@ -56,7 +56,7 @@ const TREE_COLUMNS: [(&str, &str); 5] = [
     ("hits", "hits"),
 ];
 
-/// The tree alone: a process for each row, so that its peak is its own.
+/// The tree alone: a separate process for each row, so that peaks do not mix.
 fn trees(arguments: &Arguments) -> Result<Vec<Value>, String> {
     let bench = ["bench", "--quiet", "--package", "etendue-bvh", "--bench", "scale"];
     super::rays::check(cargo().args(bench).arg("--no-run"))?;
@@ -87,7 +87,7 @@ fn trees(arguments: &Arguments) -> Result<Vec<Value>, String> {
     Ok(rows)
 }
 
-/// Whole renders by the command line; `broken` gets a sentence for every limit that one exceeds.
+/// Whole renders by the command line; `broken` gets a sentence for every exceeded limit.
 fn renders(arguments: &Arguments, broken: &mut Vec<String>) -> Result<Vec<Value>, String> {
     if !etendue::build() {
         return Err("etendue does not compile".to_owned());
@@ -134,7 +134,7 @@ fn cases(most: usize) -> impl Iterator<Item = (Kind, usize, Option<f64>)> {
     })
 }
 
-/// The message for a peak beyond its limit. An unknown peak is beyond any limit.
+/// The message for a peak above its limit. An unknown peak counts as above.
 fn exceeded(peak: f64, limit: Option<f64>, kind: Kind, count: usize) -> Option<String> {
     let limit = limit?;
     let is_kept = peak <= limit;

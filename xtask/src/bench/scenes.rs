@@ -1,17 +1,17 @@
-//! The scenes that are measured.
+//! The scenes of the benchmark.
 
-/// A scene, how large it is rendered, and with how many samples.
+/// A scene, its render size and its sample counts.
 pub(super) struct Scene {
     pub(super) name: &'static str,
     /// Below the folder `testcases`; Mitsuba's copy is `mitsuba3/NAME.xml`.
     pub(super) path: &'static str,
     /// Width and height in pixels.
     pub(super) size: [u32; 2],
-    /// Two numbers of samples per pixel; the difference of their times is measured.
+    /// Two sample counts per pixel; the difference of their times is measured.
     pub(super) counts: [u32; 2],
 }
 
-/// Every scene. The two numbers of samples are about two seconds apart on two threads.
+/// All scenes. The times of the two sample counts differ by about two seconds on two threads.
 pub(super) const SCENES: [Scene; 4] = [
     Scene { name: "cornellbox1", path: "cornellbox1.xml", size: [256, 256], counts: [16, 96] },
     Scene { name: "coffee", path: "coffee/scene.xml", size: [480, 270], counts: [8, 48] },
@@ -20,7 +20,7 @@ pub(super) const SCENES: [Scene; 4] = [
 ];
 
 impl Scene {
-    /// Millions of samples that the larger number has more than the smaller one.
+    /// The difference of the two counts, in millions of samples.
     pub(super) fn millions_between(&self) -> f64 {
         let [few, many] = self.counts;
         let pixels = f64::from(self.size[0]) * f64::from(self.size[1]);

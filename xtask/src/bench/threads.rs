@@ -1,4 +1,4 @@
-//! `cargo xtask bench threads`: two threads beside two renders of one thread each.
+//! `cargo xtask bench threads`: compares two threads with two renders of one thread each.
 
 use std::path::PathBuf;
 
@@ -10,8 +10,9 @@ use super::process::{self, Job};
 use crate::etendue;
 use crate::workspace::root;
 
-/// Renders a scene on two threads, and in turn as two simultaneous renders on one thread each. The ratio
-/// of the rates shows what threads lose to each other: waiting, shared cache lines, idle time at the end.
+/// Renders a scene on two threads, and in turn as two simultaneous renders on one thread each. The
+/// ratio of the rates shows what threads cost each other: waiting, shared cache lines, idle time at
+/// the end.
 #[derive(Debug, Parser)]
 pub(super) struct Arguments {
     /// The scene
@@ -31,7 +32,7 @@ pub(super) struct Arguments {
     keeping: SavedRun,
 }
 
-/// Two threads must reach this share of what two processes reach.
+/// Two threads must reach this fraction of the rate of two processes.
 const LEAST_SHARE: f64 = 0.97;
 
 /// Runs the benchmark.

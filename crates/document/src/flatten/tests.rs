@@ -1,4 +1,4 @@
-//! Scenes built in code, good and hostile ones.
+//! Valid and hostile scenes built in code.
 
 use glam::{DMat4, DVec3};
 
@@ -10,7 +10,7 @@ fn build(scene: Node) -> (Document, Vec<Diagnostic>) {
     (document, diagnostics.sorted())
 }
 
-/// Every finding as its path and its message.
+/// Every finding as a path and a message.
 fn findings(scene: Node) -> Vec<(String, String)> {
     let (document, found) = build(scene);
     let place = |found: &Diagnostic| {
@@ -168,7 +168,7 @@ fn a_million_instances_stay_small() {
     assert_eq!(document.nodes.len(), count + 3);
     let instance = &document.nodes[count];
     assert_eq!(instance.children[0].node, NodeId(1));
-    // In place: one parameter and one child need no memory of their own.
+    // Inline storage: one parameter and one child need no allocation.
     assert!(size_of_val(&document.nodes[..]) <= 208 * (count + 3));
 }
 

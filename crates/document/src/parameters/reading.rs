@@ -1,8 +1,9 @@
-//! What a plugin has read of its node, to be repeated where the plugin itself need not be built.
+//! A record of what a plugin has read of its node, to be replayed if the plugin need not be
+//! rebuilt.
 
 use super::Parameters;
 
-/// The names that were asked for and the entries that were read, by their position in the node.
+/// The names asked for and the entries read, by their index in the node.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
     asked: Vec<String>,
@@ -24,7 +25,7 @@ impl Parameters<'_> {
         }
     }
 
-    /// Counts as read what was read of a node with the same entries at the same positions.
+    /// Marks the same entries as read, for a node with the same entries at the same indices.
     pub fn repeat(&self, reading: &Reading) {
         reading.asked.iter().for_each(|name| self.ask(name));
         let mark = |read: &mut Vec<bool>, positions: &[usize]| {

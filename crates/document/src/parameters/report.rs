@@ -1,4 +1,4 @@
-//! What is said about entries that were given twice or that nothing asked for.
+//! Reports entries that were given twice or never read.
 
 use std::collections::HashMap;
 
@@ -8,8 +8,8 @@ use crate::document::{Child, Parameter};
 use crate::names::{list_names, near_names};
 
 impl Parameters<'_> {
-    /// Reports every parameter and child that was not read, with the near names among those that
-    /// were asked for, and what the plugin takes.
+    /// Reports every parameter and child that was not read, with similar names among those asked
+    /// for, and what the plugin accepts.
     pub fn finish(self) {
         let parameters = self.node.parameters.iter().zip(self.parameters_read.borrow().clone());
         for (parameter, _) in parameters.filter(|(_, read)| !read) {
@@ -21,7 +21,7 @@ impl Parameters<'_> {
         }
     }
 
-    /// Warns of parameters that are given twice; only the last one is left to be read.
+    /// Warns of parameters given twice; only the last one can be read.
     pub(super) fn report_duplicates(&self) {
         let mut last: HashMap<&str, usize> = HashMap::new();
         for (index, parameter) in self.node.parameters.iter().enumerate() {
@@ -57,7 +57,7 @@ impl Parameters<'_> {
         self.diagnostics.push(self.with_names(diagnostic, name));
     }
 
-    /// Adds the near names among those asked for, and all of them.
+    /// Adds similar names among those asked for, and the full list.
     fn with_names(&self, mut diagnostic: Diagnostic, name: &str) -> Diagnostic {
         if self.diagnostics.is_full() {
             return diagnostic;

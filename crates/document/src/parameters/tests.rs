@@ -8,15 +8,15 @@ use crate::*;
 
 const TEXT: &str = "bsdf alpha alpha distribution intIOR reflectance nested texture toWorld\n";
 
-/// The place of a word of [`TEXT`].
+/// The span of a word of [`TEXT`].
 fn place(sources: &Sources, word: &str) -> Span {
     let id = sources.iter().next().map(|_| SourceId::default()).unwrap();
     let start = TEXT.find(word).unwrap();
     Span::new(id, start..start + word.len())
 }
 
-/// A node with the given parameters, at the places of their names, and with a `bsdf` and a
-/// `texture` named `reflectance` inside it.
+/// A node with the given parameters, at the spans of their names, and with a `bsdf` and a `texture`
+/// named `reflectance` inside it.
 fn document(parameters: Vec<(&str, Value)>) -> Document {
     let mut sources = Sources::default();
     sources.add("test.xml", TEXT);

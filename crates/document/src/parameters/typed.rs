@@ -1,4 +1,4 @@
-//! Values by type, with what is said where the type or the range is wrong.
+//! Typed values, with errors for wrong types and ranges.
 
 use std::ops::RangeBounds;
 
@@ -26,7 +26,7 @@ impl<'a> Parameters<'a> {
         self.optional_boolean(name).unwrap_or(default)
     }
 
-    /// A whole number; a float that is one is accepted.
+    /// An integer; a float without a fraction is accepted.
     pub fn optional_integer(&self, name: &str) -> Option<i64> {
         self.typed(name, "an integer", |value| match value {
             Value::Integer(integer) => Some(*integer),
@@ -37,12 +37,12 @@ impl<'a> Parameters<'a> {
         })
     }
 
-    /// A whole number; a float that is one is accepted.
+    /// An integer; a float without a fraction is accepted.
     pub fn integer(&self, name: &str, default: i64) -> i64 {
         self.optional_integer(name).unwrap_or(default)
     }
 
-    /// A whole number within `range`; outside, an error is reported and the default returned.
+    /// An integer within `range`; otherwise an error is reported and the default returned.
     pub fn integer_in(&self, name: &str, default: i64, range: impl RangeBounds<i64>) -> i64 {
         match self.optional_integer(name) {
             Some(integer) if range.contains(&integer) => integer,
@@ -54,7 +54,7 @@ impl<'a> Parameters<'a> {
         }
     }
 
-    /// A number; an integer, or a spectrum that is one number, is accepted.
+    /// A number; an integer, or a spectrum given as one number, is accepted.
     pub fn optional_float(&self, name: &str) -> Option<f64> {
         self.typed(name, "a number", |value| match value {
             Value::Float(float) => Some(*float),
@@ -64,7 +64,7 @@ impl<'a> Parameters<'a> {
         })
     }
 
-    /// A number; an integer, or a spectrum that is one number, is accepted.
+    /// A number; an integer, or a spectrum given as one number, is accepted.
     pub fn float(&self, name: &str, default: f64) -> f64 {
         self.optional_float(name).unwrap_or(default)
     }
@@ -98,12 +98,12 @@ impl<'a> Parameters<'a> {
         self.optional_string(name).unwrap_or(default)
     }
 
-    /// A text the plugin cannot do without; `None` after its absence has been reported.
+    /// A required text; reports its absence and returns `None`.
     pub fn required_string(&self, name: &str) -> Option<&'a str> {
         self.require(name).then(|| self.optional_string(name)).flatten()
     }
 
-    /// A number the plugin cannot do without; `None` after its absence has been reported.
+    /// A required number; reports its absence and returns `None`.
     pub fn required_float(&self, name: &str) -> Option<f64> {
         self.require(name).then(|| self.optional_float(name)).flatten()
     }
@@ -252,11 +252,11 @@ fn three_numbers(value: &Value) -> Option<DVec3> {
     }
 }
 
-/// A number as messages show it.
+/// Formats a number for messages.
 trait InWords {
     fn in_words(&self) -> String;
 
-    /// Whether it is the least positive number, which as a bound means "above zero".
+    /// Whether it is the smallest positive number, which as a bound means "above zero".
     fn is_least_positive(&self) -> bool;
 }
 
@@ -271,7 +271,7 @@ impl InWords for i64 {
 }
 
 impl InWords for f64 {
-    /// With an exponent where there would be rows of zeros.
+    /// Uses an exponent instead of rows of zeros.
     fn in_words(&self) -> String {
         match self.abs() {
             magnitude if magnitude >= 1e9 || (magnitude > 0.0 && magnitude < 1e-4) => {

@@ -1,4 +1,4 @@
-//! An edited scene is the scene that loading the changed document gives, to the bit, and what has not
+//! An edited scene is bit-identical to the scene loaded from the changed document, and what has not
 //! changed is neither read nor built again.
 
 mod mutations;
@@ -29,8 +29,8 @@ fn document_of(scene: &LoadedScene) -> Document {
     Document::clone(scene.document().expect("the scene is editable"))
 }
 
-/// The bits of a few samples of every sensor, all channels. Of large films a corner is enough: one
-/// without its parameters has half a million pixels.
+/// The bits of a few samples of every sensor, all channels. A corner of large films is enough: a
+/// film without parameters has half a million pixels.
 fn pictures(scene: &LoadedScene, workers: &Workers) -> Vec<Vec<u32>> {
     let picture = |(index, setup): (usize, &SensorSetup)| {
         let [width, height] = [setup.film.width.min(8), setup.film.height.min(6)];
@@ -48,7 +48,7 @@ fn pictures(scene: &LoadedScene, workers: &Workers) -> Vec<Vec<u32>> {
     scene.scene.sensors().iter().enumerate().map(picture).collect()
 }
 
-/// Panics unless the two are the same scene, or the same errors.
+/// Panics unless both are the same scene or report the same errors.
 fn assert_same(edited: &Loaded, fresh: &Loaded, workers: &Workers, what: &str) {
     assert_eq!(edited.diagnostics.list, fresh.diagnostics.list, "{what}");
     assert_eq!(edited.diagnostics.error_count, fresh.diagnostics.error_count, "{what}");
@@ -62,7 +62,7 @@ fn assert_same(edited: &Loaded, fresh: &Loaded, workers: &Workers, what: &str) {
     assert!(pictures(edited, workers) == pictures(fresh, workers), "{what}: other pictures");
 }
 
-/// Every value of a scene is changed and removed, every child removed, doubled and moved.
+/// Changes and removes every value of a scene; removes, duplicates and moves every child.
 fn check_every_mutation(text: &str) {
     on_one_thread(|workers| {
         let files = files();
@@ -81,7 +81,7 @@ fn check_every_mutation(text: &str) {
     });
 }
 
-/// Hundreds of tiny scenes are loaded and rendered faster where no thread waits for another.
+/// Hundreds of tiny scenes load and render faster if no thread waits for another.
 fn on_one_thread(test: impl FnOnce(&Workers) + Send) {
     let workers = Workers::new(NonZeroUsize::new(1)).unwrap();
     workers.run(|| test(&workers));
@@ -102,7 +102,7 @@ fn other_shapes_and_sensors_after_any_change_are_those_of_a_fresh_load() {
     check_every_mutation(scenes::SHAPES);
 }
 
-/// What an edit keeps of an edit of an edit is still right, also on the way back.
+/// What an edit reuses from a chain of edits is still correct, including when an edit is reverted.
 #[test]
 fn edits_of_edits_are_those_of_a_fresh_load() {
     on_one_thread(|workers| {

@@ -3,7 +3,7 @@
 use etendue::document::{Class, Document, FlatNode, NodeId, Value};
 use etendue::math::glam::{DAffine3, DVec3};
 
-/// Every small change of a document, with what it does.
+/// Every small change of a document, with a description.
 pub(crate) fn all(document: &Document) -> Vec<(String, Document)> {
     let mut list = Vec::new();
     for (index, node) in document.nodes.iter().enumerate() {
@@ -108,12 +108,12 @@ fn other_value(value: &Value) -> Value {
             Value::Transform(DAffine3::from_translation(DVec3::new(0.1, 0.2, 0.0)) * *affine)
         }
         Value::Points(points) => Value::Points(points.iter().map(|point| *point * 1.25).collect()),
-        // Of another type, which is an error.
+        // A value of another type, which is an error.
         _ => Value::Boolean(true),
     }
 }
 
-/// Another file of its kind, or a name that means nothing.
+/// Another file of the same kind, or an unknown name.
 fn other_text(text: &str) -> String {
     match text {
         "colored.ply" => "plain.ply".to_owned(),

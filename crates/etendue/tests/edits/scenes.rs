@@ -1,12 +1,12 @@
-//! Scenes of many kinds of nodes, and their files.
+//! Scenes with many kinds of nodes, and their files.
 
 use std::path::Path;
 use std::sync::Mutex;
 
 use etendue::document::{MemoryResources, ResourceError, Resources};
 
-/// Meshes with and without attributes, one with an unknown parameter and one whose file says more than
-/// is understood; pictures in materials, on a light and around the scene.
+/// Meshes with and without attributes, one with an unknown parameter and one whose file has
+/// unsupported statements; pictures in materials, on a light and as an environment.
 pub(crate) const SURFACES: &str = r#"<scene version="3.0.0">
     <integrator type="path"><integer name="max_depth" value="5"/></integrator>
     <sensor type="perspective" id="eye">
@@ -71,7 +71,7 @@ pub(crate) const VOLUMES: &str = r#"<scene version="3.0.0">
     <emitter type="directional"><vector name="direction" x="0.3" y="-1" z="-0.2"/></emitter>
 </scene>"#;
 
-/// Shapes that are no meshes, several sensors, and an integrator of layers.
+/// Shapes other than meshes, several sensors, and an integrator with extra channels.
 pub(crate) const SHAPES: &str = r#"<scene version="3.0.0">
     <integrator type="aov"><string name="aovs" value="position:position, shape:shape_index"/>
         <integrator type="path" name="image"/></integrator>
@@ -117,7 +117,7 @@ pub(crate) const PLAIN_PLY: &str =
 property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header
 -1 -1 -0.5\n1 -1 -0.5\n0 1 -0.5\n3 0 1 2\n";
 
-/// `curv` is a statement that is not understood, of which a warning tells.
+/// `curv` is an unsupported statement and causes a warning.
 const OBJ: &str =
     "v -1 -1 1\nv -0.5 -1 1\nv -1 -0.5 1\nv -0.4 -0.4 1.2\ncurv 1 2\nf 1 2 3\nf 2 4 3\n";
 
@@ -167,7 +167,7 @@ pub(crate) fn files() -> CountedFiles {
     CountedFiles { files: Mutex::new(files), reads: Mutex::default() }
 }
 
-/// A PFM picture of colours that differ.
+/// A PFM picture of different colours.
 fn picture(width: usize, height: usize, step: f32) -> Vec<u8> {
     let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
     for index in 0..3 * width * height {

@@ -3,13 +3,14 @@
 use super::hide_emitters::HideEmitters;
 use etendue_scene::Scene;
 
-/// The alpha of a camera sample. It is 1 once the path has met something that it does not pass
-/// straight through, or an environment that the camera is to see, and 0 until then.
+/// The alpha of a camera sample. It is 1 once the path ends or is scattered somewhere, or sees an
+/// environment that is visible to the camera, and 0 until then. Null transmission does not change
+/// it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Alpha(f32);
 
 impl Alpha {
-    /// The path ends at or is scattered by a surface or a medium.
+    /// The path ends or is scattered at a surface or in a medium.
     #[inline(always)]
     pub(crate) fn cover(&mut self) {
         self.0 = 1.0;
@@ -23,7 +24,7 @@ impl Alpha {
         }
     }
 
-    /// The alpha itself.
+    /// The alpha value.
     #[inline]
     pub(crate) fn value(self) -> f32 {
         self.0

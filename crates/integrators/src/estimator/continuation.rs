@@ -1,4 +1,4 @@
-//! How a path goes on from a surface.
+//! How a path continues from a surface.
 
 use super::numbers::ScatterNumbers;
 use super::roulette::Roulette;
@@ -8,35 +8,35 @@ use etendue_scene::SurfaceInteraction;
 use etendue_scene::bsdf::{Bsdf, SampleLanes};
 use etendue_spectrum::SpectrumLanes;
 
-/// What a path carries.
+/// The weight of a path and its index of refraction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathWeight<R> {
-    /// The share of the light at the end of the path that arrives at the camera.
+    /// The throughput: the fraction of light at the end of the path that reaches the camera.
     pub(crate) throughput: SpectrumLanes<R>,
     /// The index of refraction here relative to the camera's; see [`Roulette::play`].
     pub(crate) eta: R,
 }
 
-/// How a path goes on from a surface, if it does.
+/// How a path continues from a surface, if it does.
 #[derive(Clone, Copy)]
 pub(crate) struct Continuation<R: Real> {
-    /// Whether it does. Where not, only `null` means anything.
+    /// Whether the path continues. If not, only `null` is meaningful.
     pub(crate) exists: R::Mask,
-    /// Whether it passes straight through, as if no surface were there.
+    /// Whether it is transmitted unchanged, as if no surface were there.
     pub(crate) null: R::Mask,
-    /// Whether next-event estimation could have found the direction, too.
+    /// Whether next-event estimation could also have found the direction.
     pub(crate) smooth: R::Mask,
-    /// The unit direction, in the world.
+    /// The unit direction in world space.
     pub(crate) direction: Vector3<R>,
-    /// The density of the direction in solid angle, where it is smooth.
+    /// The solid angle density of the direction, if it is not a delta.
     pub(crate) pdf: R,
-    /// What the path carries from here on.
+    /// The weight of the path from here on.
     pub(crate) weight: PathWeight<R>,
 }
 
 impl<R: Real> Continuation<R> {
-    /// Chooses a direction for a path that arrives with `weight`. Strict normals let pass what goes
-    /// straight through.
+    /// Samples a direction for a path that arrives with `weight`. Strict normals do not affect null
+    /// transmission.
     #[inline(always)]
     pub(crate) fn sample(
         point: &ShadingPoint<R>,
@@ -61,7 +61,7 @@ impl<R: Real> Continuation<R> {
         }
     }
 
-    /// Ends the path by Russian roulette, or lets it stand for those that end.
+    /// Plays Russian roulette: ends the path or increases its weight.
     #[inline(always)]
     pub(crate) fn play_roulette(&mut self, random: R) {
         let PathWeight { throughput, eta } = self.weight;
@@ -72,7 +72,7 @@ impl<R: Real> Continuation<R> {
 }
 
 impl Continuation<f32> {
-    /// As [`sample`](Self::sample), for a single hit.
+    /// Like [`sample`](Self::sample), for a single hit.
     #[inline]
     pub(crate) fn at_hit(
         surface: &SurfaceInteraction,

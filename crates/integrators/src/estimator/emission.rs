@@ -1,23 +1,23 @@
-//! Light that a path finds by chance: surfaces that glow, and environments.
+//! Light that a path hits without next-event estimation: emitting surfaces and environments.
 
 use super::mis::power_heuristic;
 use etendue_scene::{EmitterId, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::Vec3;
 
-/// Light that a path has come upon.
+/// Light that a path has hit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Emission<'a> {
-    /// What emits it.
+    /// The emitter.
     emitter: EmitterId,
     /// The radiance; not black.
     pub(crate) radiance: Spectrum,
-    /// Where the emitter's shape was hit; `None` for light from afar.
+    /// The hit on the emitter's shape; `None` for distant light.
     surface: Option<&'a SurfaceInteraction>,
 }
 
 impl<'a> Emission<'a> {
-    /// What a surface itself sends back along the ray that found it.
+    /// Light that a surface emits back along the ray that hit it.
     #[inline(always)]
     pub(crate) fn of_surface(scene: &Scene, surface: &'a SurfaceInteraction) -> Option<Self> {
         let emitter = scene.emitter_of(surface)?;
@@ -25,7 +25,7 @@ impl<'a> Emission<'a> {
         (!radiance.is_black()).then_some(Self { emitter, radiance, surface: Some(surface) })
     }
 
-    /// What arrives from afar along a ray that leaves the scene.
+    /// Distant light along a ray that leaves the scene.
     #[inline]
     pub(crate) fn from_afar(scene: &Scene, direction: Vec3) -> impl Iterator<Item = Self> {
         scene.environments().iter().filter_map(move |&emitter| {
@@ -34,7 +34,7 @@ impl<'a> Emission<'a> {
         })
     }
 
-    /// The density with which next-event estimation at `point` would have chosen this light, which
+    /// The density with which next-event estimation at `point` would have sampled this light, which
     /// lies in `direction`.
     #[inline]
     pub(crate) fn next_event_pdf(&self, scene: &Scene, point: Vec3, direction: Vec3) -> f32 {
@@ -44,13 +44,13 @@ impl<'a> Emission<'a> {
     }
 }
 
-/// A vertex that a path has left, for light found in the direction taken.
+/// The previous vertex of a path, for light found in the sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathVertex {
-    /// Where it is.
+    /// The position.
     pub(crate) point: Vec3,
-    /// The density in solid angle of the direction taken, where next-event estimation at the vertex
-    /// competes with it; `None` where only this technique can find light.
+    /// The solid angle density of the sampled direction if next-event estimation at the vertex
+    /// competes with it; `None` if only this technique can find the light.
     pub(crate) pdf: Option<f32>,
 }
 
@@ -61,7 +61,7 @@ impl PathVertex {
         Self { point, pdf: None }
     }
 
-    /// Radiance found in `direction`, weighed.
+    /// The weighted radiance found in `direction`.
     #[inline(always)]
     fn weigh(&self, scene: &Scene, emission: &Emission<'_>, direction: Vec3) -> Spectrum {
         let weight = self.pdf.map_or(1.0, |pdf| {
@@ -71,7 +71,7 @@ impl PathVertex {
     }
 }
 
-/// Radiance that a surface itself sends back along the ray that found it, weighed.
+/// The weighted radiance that a surface emits back along the ray that hit it.
 #[inline(always)]
 pub(crate) fn emitted(
     scene: &Scene,
@@ -83,7 +83,7 @@ pub(crate) fn emitted(
         .map_or(Spectrum::ZERO, |emission| vertex.weigh(scene, &emission, direction))
 }
 
-/// Radiance from afar along a ray that leaves the scene, weighed.
+/// The weighted distant radiance along a ray that leaves the scene.
 #[inline]
 pub(crate) fn distant(scene: &Scene, direction: Vec3, vertex: &PathVertex) -> Spectrum {
     Emission::from_afar(scene, direction)

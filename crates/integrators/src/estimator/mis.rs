@@ -1,4 +1,4 @@
-//! Multiple importance sampling: how ways of finding the same light are weighed against each other.
+//! Multiple importance sampling: weights for techniques that can find the same light.
 
 use etendue_math::lanes::Real;
 
@@ -10,13 +10,14 @@ use etendue_math::lanes::Real;
 pub(crate) fn power_heuristic<R: Real>(pdf: R, other: R) -> R {
     let squared = pdf * pdf;
     let sum = squared + other * other;
-    // Squares overflow beyond 1e19, where the larger density alone decides.
+    // Squares overflow above 1e19, where the larger density dominates.
     let greater = R::select(pdf.gt(other), pdf.like(1.0), pdf.zero());
     R::select(sum.is_finite(), squared / sum, greater)
 }
 
-/// The weight of light that next-event estimation has chosen with density `light_pdf`, in a direction
-/// that scattering chooses with density `scatter_pdf`. Delta emitters are found in no other way.
+/// The weight of light sampled by next-event estimation with density `light_pdf`, in a direction
+/// that scattering samples with density `scatter_pdf`. Only next-event estimation finds delta
+/// emitters.
 #[inline(always)]
 #[must_use]
 pub(crate) fn next_event_weight<R: Real>(light_pdf: R, delta: R::Mask, scatter_pdf: R) -> R {

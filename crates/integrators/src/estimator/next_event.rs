@@ -1,4 +1,4 @@
-//! Next-event estimation: light straight from an emitter.
+//! Next-event estimation: direct light from an emitter.
 
 use super::mis::next_event_weight;
 use super::shading::{Scattering, ShadingPoint, StrictNormals};
@@ -10,8 +10,8 @@ use etendue_scene::{Scene, SurfaceInteraction};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 use glam::Vec2;
 
-/// Light that arrives at a surface unless something stands between: what the rules know of a
-/// [`DirectionSample`] or of [`LightLanes`].
+/// Light that reaches a surface unless it is occluded: the part of a [`DirectionSample`] or of
+/// [`LightLanes`] that the rules need.
 #[derive(Clone, Copy)]
 pub(crate) struct IncidentLight<R: Real> {
     pub(crate) direction: Vector3<R>,
@@ -21,20 +21,21 @@ pub(crate) struct IncidentLight<R: Real> {
     pub(crate) exists: R::Mask,
 }
 
-/// The share of light that goes back along a path, weighed.
+/// The weighted fraction of light that is scattered back along a path.
 #[derive(Clone, Copy)]
 pub(crate) struct ReflectedLight<R: Real> {
     pub(crate) radiance: SpectrumLanes<R>,
-    /// Whether there is any.
+    /// Whether it is nonzero.
     pub(crate) exists: R::Mask,
 }
 
-/// Light that goes back along a path unless something stands between.
+/// A pending contribution: light that is scattered back along a path unless the shadow ray is
+/// blocked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProposedLight {
-    /// The ray that must be free.
+    /// The shadow ray.
     pub(crate) shadow_ray: Ray,
-    /// What then goes back, weighed.
+    /// The weighted fraction of light scattered back if the ray is free.
     pub(crate) radiance: Spectrum,
 }
 
@@ -42,13 +43,13 @@ pub(crate) struct ProposedLight {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NextEvent {
     pub(crate) strict_normals: StrictNormals,
-    /// How many directions the material samples for each one that the emitters sample.
+    /// The number of BSDF samples for each emitter sample.
     pub(crate) scatter_ratio: f32,
 }
 
 impl NextEvent {
-    /// The share of `light` that goes back along the path, weighed against the chance that
-    /// scattering finds it.
+    /// The fraction of `light` scattered back along the path, weighted against the chance that BSDF
+    /// sampling finds it.
     #[inline(always)]
     pub(crate) fn reflect<R: Real>(
         &self,
@@ -69,7 +70,7 @@ impl NextEvent {
         ReflectedLight { radiance: contribution * (weight / light.pdf), exists }
     }
 
-    /// As [`reflect`](Self::reflect), for a single hit.
+    /// Like [`reflect`](Self::reflect), for a single hit.
     #[inline(always)]
     pub(crate) fn reflect_at_hit(
         &self,
@@ -84,7 +85,7 @@ impl NextEvent {
         })
     }
 
-    /// Light that one emitter, chosen by chance, sends over `surface` back along the path.
+    /// Light from one randomly chosen emitter, scattered at `surface` back along the path.
     pub(crate) fn propose(
         &self,
         scene: &Scene,

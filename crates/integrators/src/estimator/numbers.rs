@@ -4,24 +4,24 @@ use etendue_math::lanes::{Lanes, Simd, Vector2};
 use etendue_sampling::{RandomBatch, Sampler};
 use glam::Vec2;
 
-/// The random numbers of a vertex. Every vertex has the same six, used or not: what a path draws at a
-/// depth does not depend on what it met before.
+/// The random numbers of a vertex. Every vertex draws the same six, used or not, so a path's
+/// numbers at one depth do not depend on what it hit before.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VertexNumbers<R> {
-    /// For the choice of an emitter and of a point on it.
+    /// Selects an emitter and a point on it.
     pub(crate) light: Vector2<R>,
-    /// For the next direction.
+    /// Selects the next direction.
     pub(crate) scatter: ScatterNumbers<R>,
     /// For Russian roulette.
     pub(crate) roulette: R,
 }
 
-/// The random numbers that choose a direction.
+/// The random numbers that select a direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScatterNumbers<R> {
-    /// For the choice of a lobe.
+    /// Selects a lobe.
     pub(crate) lobe: R,
-    /// For a direction within the lobe.
+    /// Selects a direction within the lobe.
     pub(crate) direction: Vector2<R>,
 }
 
@@ -36,7 +36,7 @@ impl VertexNumbers<f32> {
 }
 
 impl<S: Simd> VertexNumbers<Lanes<S>> {
-    /// The numbers of the lanes from `first` on.
+    /// The numbers of the lanes starting at `first`.
     #[inline(always)]
     pub(crate) fn load(simd: S, numbers: &RandomBatch, first: usize) -> Self {
         let [lobe, roulette] = &numbers.choices;

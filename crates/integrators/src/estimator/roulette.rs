@@ -2,24 +2,25 @@
 
 use etendue_math::lanes::Real;
 
-/// Paths always have at least this chance to end.
+/// The minimum probability that a path ends.
 const MAX_SURVIVAL: f32 = 0.95;
 
-/// The outcome of Russian roulette: paths that carry little end early, and the survivors stand for
-/// them.
+/// The outcome of Russian roulette: paths of low throughput end early, and the survivors make up
+/// for them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Roulette<R: Real> {
-    /// Whether the path goes on.
+    /// Whether the path continues.
     pub(crate) survives: R::Mask,
-    /// What the throughput of a survivor is multiplied by.
+    /// The factor on the throughput of a survivor.
     pub(crate) gain: R,
 }
 
 impl<R: Real> Roulette<R> {
-    /// Plays for a path whose greatest component of throughput is `carried`.
+    /// Plays for a path whose largest throughput component is `carried`.
     ///
-    /// `eta` is the index of refraction here relative to that at the path's start: radiance that has
-    /// been compressed in glass expands again when it leaves, and is not to be lost meanwhile.
+    /// `eta` is the index of refraction here relative to that at the path's start. Radiance is
+    /// scaled inside glass and scaled back on the way out; dividing by the scale keeps such paths
+    /// alive meanwhile.
     #[inline(always)]
     pub(crate) fn play(carried: R, eta: R, random: R) -> Self {
         let probability = (carried * eta * eta).min(eta.like(MAX_SURVIVAL));

@@ -1,4 +1,4 @@
-//! What the rules know of a surface, and how it scatters.
+//! The surface data and the scattering functions that the rules use.
 
 use super::numbers::ScatterNumbers;
 use etendue_math::lanes::{Frame3, Lanes, Real, Simd, Vector3};
@@ -6,25 +6,24 @@ use etendue_scene::bsdf::{Bsdf, BsdfSample, Lobe, SampleLanes, Transport};
 use etendue_scene::{ClosureBatch, SurfaceInteraction, SurfaceLanes};
 use etendue_spectrum::SpectrumLanes;
 
-/// What the rules know of a surface.
+/// The surface data that the rules use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadingPoint<R> {
     /// The unit geometric normal.
     pub(crate) normal: Vector3<R>,
     /// The shading frame.
     pub(crate) frame: Frame3<R>,
-    /// The unit direction that the path came from, away from the surface, in the shading frame.
+    /// The unit direction towards the previous vertex, in the shading frame.
     pub(crate) wi: Vector3<R>,
 }
 
-/// `strict_normals`: whether paths and light end where they would be on different sides of the
-/// geometric and of the shading normal.
+/// `strict_normals`: paths and light end where they are on different sides of the geometric and the
+/// shading normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StrictNormals(pub(crate) bool);
 
 impl StrictNormals {
-    /// Those of the `candidates` that are allowed to go in `direction`, which is `local` in the shading
-    /// frame.
+    /// The `candidates` that may continue in `direction`, which is `local` in the shading frame.
     #[inline(always)]
     pub(crate) fn cut<R: Real>(
         self,
@@ -40,7 +39,7 @@ impl StrictNormals {
         }
     }
 
-    /// Those of the `candidates` that are allowed to arrive by a ray of this direction.
+    /// The `candidates` that may arrive along a ray of this direction.
     #[inline(always)]
     pub(crate) fn cut_arrivals<R: Real>(
         self,
@@ -71,13 +70,13 @@ impl<R: Real> From<&SurfaceLanes<R>> for ShadingPoint<R> {
     }
 }
 
-/// How surfaces scatter radiance: a [`Bsdf`] at one hit, or [`LaneScattering`] at a hit in each lane.
+/// How surfaces scatter radiance: a [`Bsdf`] at one hit, or [`LaneScattering`] at one hit per lane.
 /// The contract is that of [`etendue_scene::bsdf`].
 pub(crate) trait Scattering<R: Real> {
-    /// f(wi, wo)·|cos θo| and the density of `wo` in solid angle.
+    /// f(wi, wo)·|cos θo| and the solid angle density of `wo`.
     fn eval_pdf(&self, wi: Vector3<R>, wo: Vector3<R>) -> (SpectrumLanes<R>, R);
 
-    /// Chooses `wo` given `wi`.
+    /// Samples `wo` given `wi`.
     fn sample(&self, wi: Vector3<R>, numbers: &ScatterNumbers<R>) -> SampleLanes<R>;
 }
 
@@ -107,7 +106,7 @@ impl Scattering<f32> for Bsdf<'_> {
     }
 }
 
-/// The closures in the lanes from `first` on.
+/// The closures of the lanes starting at `first`.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneScattering<'a, S> {
     pub(crate) closures: &'a ClosureBatch<'a>,

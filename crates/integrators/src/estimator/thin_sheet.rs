@@ -3,13 +3,13 @@
 use etendue_scene::{ShapeId, SurfaceInteraction};
 use glam::Vec3;
 
-/// The sheet that a path is passing straight through, if any: a surface whose back face, if it has one
-/// close by, is part of it.
+/// The thin sheet that a path is passing through, if any: a surface together with its back face if
+/// that is very close.
 ///
 /// Blinds and leaves are often modelled as thin boxes with a `mask`. Their opacity is meant for the
-/// sheet, not for each face of it, and Mitsuba renders it so, because its rays start 1,500 roundings
-/// beyond the front face. Ours start right behind it, so the rule is stated: the same shape, met
-/// again within that distance, is not met.
+/// whole sheet, not for each face. Mitsuba renders it so because its rays start 1,500 rounding
+/// errors beyond the front face. Ours start right behind it, so we need an explicit rule: a second
+/// hit on the same shape within that distance is ignored.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ThinSheet(Option<Inside>);
 
@@ -34,7 +34,7 @@ impl ThinSheet {
         self.0.is_some()
     }
 
-    /// Whether a surface that the path meets is the sheet's other face, and does not count. If it is
+    /// Whether a surface that the path hits is the sheet's other face and must be ignored. If it is
     /// not, the path has left the sheet.
     #[inline]
     pub(crate) fn holds(&mut self, surface: &SurfaceInteraction) -> bool {

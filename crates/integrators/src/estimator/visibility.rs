@@ -1,4 +1,4 @@
-//! What a ray meets first, without the surfaces that do not count.
+//! Finds the first hit of a ray, ignoring surfaces that do not count.
 
 use super::alpha::Alpha;
 use super::emission::{PathVertex, distant};
@@ -7,8 +7,8 @@ use crate::integrator::Radiance;
 use etendue_math::Ray;
 use etendue_scene::{Hit, Scene, SurfaceInteraction};
 
-/// What a camera ray hits first, emitters left out if they are to be hidden: distances then count from
-/// the last of them.
+/// The first hit of a camera ray. Hidden emitters are skipped, and distances then count from the
+/// last of them.
 #[inline]
 pub(crate) fn first_hit(
     scene: &Scene,
@@ -23,8 +23,7 @@ pub(crate) fn first_hit(
     hit.map(|hit| scene.interaction(&ray, &hit))
 }
 
-/// What a camera ray hits first, emitters left out if they are to be hidden, or else what it sees of
-/// the background.
+/// The first hit of a camera ray, skipping hidden emitters, or else the background it sees.
 #[inline]
 pub(crate) fn first_surface(
     scene: &Scene,
@@ -42,8 +41,8 @@ pub(crate) fn first_surface(
     })
 }
 
-/// Moves on through surfaces that do not count, to the next hit that does. The ray then starts at the
-/// last of them, and ends where it did.
+/// Moves on through ignored surfaces to the next hit that counts. The ray then starts at the last
+/// of them; its end does not change.
 #[cold]
 pub(crate) fn skip_hits(
     scene: &Scene,

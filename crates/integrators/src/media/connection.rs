@@ -1,4 +1,4 @@
-//! Connections to emitters: how much light passes media and surfaces that do not bend it.
+//! Connections to emitters: the transmittance through media and null surfaces.
 
 use super::walk::{MediumWalk, medium_beyond, transmittance};
 use crate::estimator::ThinSheet;
@@ -10,7 +10,7 @@ use etendue_scene::{MediumId, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::Vec3;
 
-/// The vertex that light is to arrive at.
+/// The vertex that receives the light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Vertex<'a> {
     /// In a medium.
@@ -19,13 +19,13 @@ pub(crate) enum Vertex<'a> {
     Surface(&'a SurfaceInteraction),
 }
 
-/// What passes between a vertex and an emitter.
+/// What a connection between a vertex and an emitter transmits.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Connection {
-    /// The share of light that passes: an estimate without bias.
+    /// An unbiased estimate of the transmitted fraction of light.
     pub(crate) transmittance: Spectrum,
-    /// For each channel, the density with which a path that distances are sampled for in this channel
-    /// passes here by chance, relative to that of the connection.
+    /// For each channel, the density with which a path that samples distances for this channel
+    /// would pass here, relative to the density of the connection.
     pub(crate) unidirectional_pdf: Spectrum,
 }
 
@@ -49,7 +49,7 @@ impl Vertex<'_> {
 }
 
 impl Connection {
-    /// Connects a vertex to a light; `None` where no light passes.
+    /// Connects a vertex to a light; `None` if no light is transmitted.
     pub(crate) fn new(
         scene: &Scene,
         vertex: Vertex<'_>,
@@ -65,7 +65,7 @@ impl Connection {
         let mut tracer = Tracer { walk, connection, sheet: ThinSheet::default() };
         loop {
             let hit = scene.closest_hit(&ray);
-            // Surfaces end most connections, and cost less than media.
+            // Surfaces block most connections and cost less than media.
             let surface = hit.map(|hit| scene.interaction(&ray, &hit));
             if let Some(surface) = &surface {
                 tracer.pass_surface(scene, surface)?;
@@ -79,9 +79,9 @@ impl Connection {
     }
 }
 
-/// Below this transmittance, most connections are given up, and the others stand for them.
+/// Below this transmittance, Russian roulette ends most connections.
 const FAINT: f32 = 0.05;
-/// The share of faint connections that go on.
+/// The survival probability of faint connections.
 const SURVIVAL: f32 = 0.25;
 
 impl Tracer<'_> {
@@ -112,9 +112,9 @@ impl Tracer<'_> {
         }
     }
 
-    /// Ratio tracking: every collision lets the share pass that is not real (Novák, Selle and Jarosz,
-    /// "Residual ratio tracking for estimating attenuation in participating media", *ACM
-    /// Transactions on Graphics* 33(6), 2014).
+    /// Ratio tracking: every collision multiplies the transmittance by its null fraction (Novák,
+    /// Selle and Jarosz, "Residual ratio tracking for estimating attenuation in participating
+    /// media", *ACM Transactions on Graphics* 33(6), 2014).
     fn ratio_track(&mut self, medium: &Medium, density: &Heterogeneous, ray: &Ray) -> Option<()> {
         let wi = -ray.direction;
         let mut tracker = density.track(ray);
@@ -150,7 +150,7 @@ mod tests {
     use etendue_testkit::Accumulator;
     use glam::UVec2;
 
-    /// A cube of matter whose extinction differs from cell to cell and from colour to colour.
+    /// A cubic medium whose extinction varies by cell and colour channel.
     fn cube() -> Scene {
         let header = [1, 3, 2, 2, 3].map(i32::to_le_bytes).concat();
         let bounds = [0.0_f32; 6].map(f32::to_le_bytes).concat();

@@ -1,4 +1,4 @@
-//! Walks through media: where a path collides next.
+//! Medium walks: where a path collides next.
 
 use super::weights::{Step, Weights};
 use etendue_math::Ray;
@@ -9,16 +9,16 @@ use etendue_scene::{Hit, MediumId, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::Vec3;
 
-/// What a ray comes to.
+/// The next event along a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Event {
     /// It is scattered in a medium.
     Scattering(MediumVertex),
-    /// It meets a surface.
+    /// It hits a surface.
     Surface(Hit),
     /// It leaves the scene.
     Escape,
-    /// Nothing of it is left.
+    /// No throughput remains.
     End,
 }
 
@@ -29,19 +29,19 @@ pub(crate) struct MediumVertex {
     pub(crate) point: Vec3,
 }
 
-/// A ray on its way, and the medium that it is in.
+/// A ray and the medium it is in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MediumWalk {
     pub(crate) ray: Ray,
     pub(crate) medium: Option<MediumId>,
-    /// The random numbers for distances. They are apart from those of the vertices, whose dimensions
-    /// do not depend on how many collisions there are.
+    /// The random numbers for distances. They are separate from those of the vertices, whose
+    /// dimensions do not depend on the number of collisions.
     sampler: Sampler,
-    /// The colour channel whose extinction distances are sampled for.
+    /// The colour channel that distances are sampled for.
     channel: usize,
 }
 
-/// The medium that a ray passes, with the kind of its density.
+/// The medium around a ray, with the kind of its density.
 #[derive(Clone, Copy)]
 struct Passed<'a, D> {
     id: MediumId,
@@ -49,7 +49,7 @@ struct Passed<'a, D> {
     density: &'a D,
 }
 
-/// Vertices take their numbers from below this dimension, distances from above.
+/// Vertices use the dimensions below this one, distances those above.
 const FIRST_DIMENSION: u32 = 1 << 24;
 
 impl MediumWalk {
@@ -68,7 +68,7 @@ impl MediumWalk {
         self.medium = medium_beyond(scene, surface, direction, self.medium);
     }
 
-    /// Goes on to the next event.
+    /// Moves on to the next event.
     #[inline]
     pub(crate) fn advance(&mut self, scene: &Scene, weights: &mut Weights) -> Event {
         let Some(id) = self.medium else {
@@ -86,7 +86,7 @@ impl MediumWalk {
     }
 
     /// Through a homogeneous medium: the distance to the next collision has a closed form, and
-    /// nothing beyond it need be intersected.
+    /// nothing beyond it needs to be intersected.
     fn sample_distance(
         &mut self,
         scene: &Scene,
@@ -108,7 +108,7 @@ impl MediumWalk {
             return collision(MediumVertex { medium: id, point }, weights, &step);
         }
         let transmittance = transmittance(extinction, hit.map_or(self.ray.t_max, |hit| hit.t));
-        // A connection to an emitter would pass for certain, by the closed form.
+        // A connection to an emitter would pass with certainty, by the closed form.
         let step = Step { value: transmittance, unidirectional_pdf: transmittance, light_pdf: 1.0 };
         if weights.advance(&step) { at_end(hit) } else { Event::End }
     }
@@ -128,7 +128,7 @@ impl MediumWalk {
             let point = self.ray.at(found.t);
             let interaction = MediumInteraction { point, wi: -self.ray.direction };
             let coefficients = medium.coefficients(&interaction);
-            // Transmittances against the majorant are the same for all channels and cancel.
+            // Transmittances of the majorant are equal for all channels and cancel.
             let real = (coefficients.extinction / found.majorant).min(Spectrum::ONE);
             if self.sampler.next_1d() < real[self.channel] {
                 let value = coefficients.scattering / found.majorant;
@@ -143,7 +143,7 @@ impl MediumWalk {
         at_end(hit)
     }
 
-    /// A random optical depth, of the exponential distribution of rate one.
+    /// A random optical depth, exponentially distributed with rate one.
     #[inline]
     pub(super) fn sample_optical_depth(&mut self) -> f32 {
         -(1.0 - self.sampler.next_1d()).ln()
@@ -156,17 +156,17 @@ impl MediumWalk {
     }
 }
 
-/// The event of a real collision, to which the path goes by `step`.
+/// The event of a real collision, reached by `step`.
 fn collision(vertex: MediumVertex, weights: &mut Weights, step: &Step) -> Event {
     if weights.advance(step) { Event::Scattering(vertex) } else { Event::End }
 }
 
-/// The event at the end of a ray that has not collided.
+/// The event at the end of a ray without a collision.
 fn at_end(hit: Option<Hit>) -> Event {
     hit.map_or(Event::Escape, Event::Surface)
 }
 
-/// The medium that a path is in when it leaves a surface, having come through `medium`.
+/// The medium that a path enters when it leaves a surface, having arrived through `medium`.
 #[inline]
 pub(super) fn medium_beyond(
     scene: &Scene,
@@ -180,7 +180,7 @@ pub(super) fn medium_beyond(
     }
 }
 
-/// exp(−σ t), and 1 without extinction however far it is.
+/// exp(−σ t), and 1 without extinction at any distance, even infinite.
 #[inline]
 pub(super) fn transmittance(extinction: Spectrum, t: f32) -> Spectrum {
     extinction.map(|sigma| if sigma > 0.0 { (-sigma * t).exp() } else { 1.0 })

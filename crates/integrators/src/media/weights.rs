@@ -1,70 +1,71 @@
-//! What a path through media carries, and the densities with which it could have been found.
+//! The throughput of a path through media, and the densities with which it could have been found.
 //!
-//! Where extinction differs between colour channels, distances are sampled for one channel, chosen for
-//! the whole path. Any other channel could have led to the same path, and the balance heuristic over
-//! all of them keeps weights bounded (Wilkie et al., "Hero Wavelength Spectral Sampling", 2014; for
-//! media with null collisions Miller, Georgiev and Jarosz, "A null-scattering path integral formulation
-//! of light transport", *ACM Transactions on Graphics* 38(4), 2019).
+//! If extinction differs between colour channels, distances are sampled for one channel, chosen for
+//! the whole path. Any other channel could have produced the same path, and the balance heuristic
+//! over all of them keeps weights bounded (Wilkie et al., "Hero Wavelength Spectral Sampling",
+//! 2014; for media with null collisions Miller, Georgiev and Jarosz, "A null-scattering path
+//! integral formulation of light transport", *ACM Transactions on Graphics* 38(4), 2019).
 //!
-//! The *unidirectional density* of a path is the one with which scattering alone finds it, one value
-//! for each channel that distances could have been sampled for. Its *light density* is the one with
-//! which next-event estimation finds it.
+//! The *unidirectional density* of a path is the density with which scattering alone finds it, one
+//! value for each channel that distances could have been sampled for. Its *light density* is the
+//! density with which next-event estimation finds it.
 
 use crate::estimator::{next_event_weight, power_heuristic};
 use etendue_scene::emitter::DirectionSample;
 use etendue_spectrum::Spectrum;
 
-/// What next-event estimation and chance are weighed by against each other.
+/// How next-event estimation and unidirectional sampling are weighted against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Heuristic {
-    /// The densities of the last direction: the power heuristic, as on surfaces.
+    /// By the densities of the last direction: the power heuristic, as on surfaces.
     Directions,
-    /// The densities of the whole path with all collisions, over all channels: the balance heuristic.
+    /// By the densities of the whole path with all collisions, over all channels: the balance
+    /// heuristic.
     Paths,
 }
 
-/// A path's share of the light at its end, and the densities it was found with.
+/// A path's throughput and the densities it was found with.
 ///
-/// All densities are relative to the mean over the channels of the unidirectional density, so that they
-/// stay in the range of floats however long the path is.
+/// All densities are relative to the channel mean of the unidirectional density, so that they do
+/// not overflow or underflow on long paths.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights {
-    /// The share of the light at the end of the path that arrives at the camera, divided by the
-    /// average density.
+    /// The fraction of light at the end of the path that reaches the camera, divided by the average
+    /// density.
     pub(crate) throughput: Spectrum,
-    /// The unidirectional density for each channel; their mean is one.
+    /// The unidirectional density for each channel; the mean is one.
     unidirectional_pdf: Spectrum,
-    /// The light density if the path ended here on an emitter, without that of choosing the emitter;
-    /// zero where next-event estimation does not compete.
+    /// The light density if the path ended here on an emitter, without the density of choosing the
+    /// emitter; zero if next-event estimation does not compete.
     light_pdf: Spectrum,
-    /// The density in solid angle of the path's last direction, where next-event estimation competes.
+    /// The solid angle density of the path's last direction, if next-event estimation competes.
     direction_pdf: Option<f32>,
 }
 
 /// A step along a path that does not change its direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
-    /// The share of light that passes, times densities of positions.
+    /// The transmitted fraction of light, times position densities.
     pub(crate) value: Spectrum,
     /// The unidirectional density of the step for each channel.
     pub(crate) unidirectional_pdf: Spectrum,
-    /// The density of the step on the way to a sampled emitter.
+    /// The density of the step as part of a connection to a sampled emitter.
     pub(crate) light_pdf: f32,
 }
 
-/// A new direction, which all channels choose alike.
+/// A new direction, sampled identically for all channels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
-    /// The share of light that is scattered, divided by `pdf`.
+    /// The scattered fraction of light, divided by `pdf`.
     pub(crate) weight: Spectrum,
-    /// The density in solid angle.
+    /// The solid angle density.
     pub(crate) pdf: f32,
     /// Whether next-event estimation could have found what lies in the direction.
     pub(crate) competes: bool,
 }
 
 impl Weights {
-    /// A path that has not begun.
+    /// A path at its start.
     pub(crate) fn new() -> Self {
         Self {
             throughput: Spectrum::ONE,
@@ -74,7 +75,7 @@ impl Weights {
         }
     }
 
-    /// Takes a step; false where no light is left.
+    /// Takes a step; false if no throughput remains.
     #[inline]
     pub(crate) fn advance(&mut self, step: &Step) -> bool {
         let unidirectional_pdf = self.unidirectional_pdf * step.unidirectional_pdf;
@@ -89,14 +90,14 @@ impl Weights {
         !self.throughput.is_black()
     }
 
-    /// Passes straight through a surface, which happens with probability `pdf` in all channels.
+    /// Null transmission through a surface, sampled with probability `pdf` in all channels.
     #[inline]
     pub(crate) fn pass_straight(&mut self, weight: Spectrum, pdf: f32) -> bool {
         let unidirectional_pdf = Spectrum::splat(pdf);
         self.advance(&Step { value: weight * pdf, unidirectional_pdf, light_pdf: 1.0 })
     }
 
-    /// Takes a direction.
+    /// Continues in a new direction.
     #[inline]
     pub(crate) fn turn(&mut self, turn: &Turn) {
         let Turn { weight, pdf, competes } = *turn;
@@ -105,8 +106,8 @@ impl Weights {
         self.light_pdf = if competes { self.unidirectional_pdf / pdf } else { Spectrum::ZERO };
     }
 
-    /// The weight of light that the path has found by chance, on an emitter that next-event
-    /// estimation would have chosen with density `light_pdf`.
+    /// The weight of light that the path has hit, on an emitter that next-event estimation would
+    /// have sampled with density `light_pdf`.
     #[inline]
     pub(crate) fn of_emission(&self, heuristic: Heuristic, light_pdf: impl FnOnce() -> f32) -> f32 {
         let Some(direction_pdf) = self.direction_pdf else { return 1.0 };
@@ -116,8 +117,8 @@ impl Weights {
         }
     }
 
-    /// The weight of `light`, which next-event estimation has chosen, in a direction that scattering
-    /// would have taken with density `scatter_pdf`. `unidirectional_pdf` is that of
+    /// The weight of `light`, sampled by next-event estimation, in a direction that scattering
+    /// would have sampled with density `scatter_pdf`. `unidirectional_pdf` is that of
     /// [`Connection`](super::Connection).
     #[inline]
     pub(crate) fn of_connection(
@@ -150,7 +151,7 @@ mod tests {
         light_pdf: 0.25,
     };
 
-    /// The weights of both ways to find the same path sum to one.
+    /// The weights of both techniques for the same path sum to one.
     #[test]
     fn both_ways_of_finding_a_path_share_it() {
         let (direction_pdf, light_pdf) = (0.7, 2.0);

@@ -1,4 +1,4 @@
-//! Vertices that are shaded together, one to a lane.
+//! Vertices that are shaded together, one per lane.
 
 use super::step::{NextVertex, PathState, Step};
 use crate::estimator::{
@@ -14,30 +14,30 @@ use etendue_scene::{
 };
 use etendue_spectrum::{Spectrum, SpectrumLanes};
 
-/// As many vertices as the widest lanes take, all of materials of one kind, and where their paths go
-/// on. A place is a vertex's number in the batch.
+/// As many vertices as the widest SIMD registers hold, all with materials of one kind, and how
+/// their paths continue. A place is a vertex's index in the batch.
 pub(super) struct Batch<'a> {
-    /// Which of the wavefront's paths stand at the vertices.
+    /// The path in the wavefront that each vertex belongs to.
     pub(super) paths: [usize; MAX_LANES],
-    /// How many of the places are taken, from the first on.
+    /// The number of places in use, counted from the first.
     count: usize,
-    /// What kind of materials the vertices have.
+    /// The kind of the vertices' materials.
     kind: LaneKind,
     pub(super) triangles: TriangleBatch,
     pub(super) surfaces: SurfaceBatch,
     closures: ClosureBatch<'a>,
     numbers: RandomBatch,
-    /// What the paths carry: on arrival, and after [`scatter`](Self::scatter) as they go on.
+    /// The path weights: on arrival, and after [`scatter`](Self::scatter) on departure.
     throughput: [LaneArray; Spectrum::LANES],
     eta: LaneArray,
     pending: PendingLight,
     next: NextRays,
 }
 
-/// Light that arrives if nothing stands between.
+/// Pending light, which arrives if it is not occluded.
 #[derive(Default)]
 struct PendingLight {
-    /// A bit for each place that has some.
+    /// A bit for each place with pending light.
     places: u32,
     radiance: [LaneArray; Spectrum::LANES],
     /// The shadow rays.
@@ -46,14 +46,14 @@ struct PendingLight {
     t_max: LaneArray,
 }
 
-/// Where paths go on.
+/// How paths continue.
 #[derive(Default)]
 struct NextRays {
-    /// A bit for each place whose path does.
+    /// A bit for each place whose path continues.
     places: u32,
     /// A bit for each place whose direction competes with next-event estimation.
     competing: u32,
-    /// A bit for each place whose path passes straight through.
+    /// A bit for each place with null transmission.
     null: u32,
     origin: [LaneArray; 3],
     direction: [LaneArray; 3],
@@ -61,7 +61,7 @@ struct NextRays {
     pdf: LaneArray,
 }
 
-/// The vertices from one place on that fill the lanes of the machine.
+/// The vertices from one place on that fill the machine's lanes.
 #[derive(Clone, Copy)]
 struct LaneGroup<S: Simd> {
     simd: S,
@@ -69,7 +69,7 @@ struct LaneGroup<S: Simd> {
     first: usize,
     surface: SurfaceLanes<Lanes<S>>,
     point: ShadingPoint<Lanes<S>>,
-    /// Which of the lanes hold a vertex whose path is scattered.
+    /// Which lanes hold a vertex whose path is scattered.
     live: LaneMask<S>,
 }
 
@@ -96,7 +96,7 @@ impl<'a> Batch<'a> {
         self.closures.restart(kind);
     }
 
-    /// Says which path stands in a place, and what it carries.
+    /// Sets the path of a place and its weight.
     #[inline(always)]
     pub(super) fn set_path(&mut self, place: usize, index: usize, path: &PathState) {
         self.paths[place] = index;
@@ -104,7 +104,7 @@ impl<'a> Batch<'a> {
         self.eta.0[place] = path.eta;
     }
 
-    /// Resolves the material in a place, whose surface has been found.
+    /// Resolves the material at a place whose surface is known.
     #[inline(always)]
     pub(super) fn set_material(
         &mut self,
@@ -131,7 +131,7 @@ impl<'a> Batch<'a> {
         });
     }
 
-    /// Finds the surfaces of the triangles.
+    /// Computes the surfaces of the triangles.
     pub(super) fn find_surfaces(&mut self, level: Level) {
         with_lanes!(level, simd => self.find_surfaces_with(simd));
     }
@@ -143,7 +143,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Proposes light to the vertices.
+    /// Samples light for the vertices.
     pub(super) fn propose_light(&mut self, step: Step<'_>) {
         self.pending.places = 0;
         if step.parameters.emitter_sampling && self.kind.has_smooth_lobe() {
@@ -155,7 +155,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Chooses where the paths go on.
+    /// Samples how the paths continue.
     pub(super) fn scatter(&mut self, step: Step<'_>) {
         self.next.places = 0;
         self.next.competing = 0;
@@ -167,13 +167,13 @@ impl<'a> Batch<'a> {
         });
     }
 
-    /// How many vertices make a group.
+    /// The number of vertices in a group.
     #[inline(always)]
     fn width<S: Simd>(&self, _: S) -> usize {
         Lanes::<S>::COUNT
     }
 
-    /// The vertices from the place `first` on.
+    /// The vertices starting at place `first`.
     #[inline(always)]
     fn group<S: Simd>(&self, simd: S, first: usize, step: Step<'_>) -> LaneGroup<S> {
         let surface = self.surfaces.load(simd, first);
@@ -233,12 +233,12 @@ impl<'a> Batch<'a> {
         next.null |= (live & null).bits() << first;
     }
 
-    /// The places to which light has been proposed.
+    /// The places with pending light.
     pub(super) fn lit_places(&self) -> impl Iterator<Item = usize> + use<> {
         places(self.pending.places)
     }
 
-    /// The light that was proposed to a place, as it arrives at the camera.
+    /// The pending light of a place, as it reaches the camera.
     #[inline(always)]
     pub(super) fn proposed_light(&self, place: usize) -> ProposedLight {
         let pending = &self.pending;
@@ -251,23 +251,23 @@ impl<'a> Batch<'a> {
         ProposedLight { shadow_ray, radiance }
     }
 
-    /// The random number that chose the light of a place.
+    /// The random number that selected the light of a place.
     #[inline(always)]
     pub(super) fn light_choice(&self, place: usize) -> f32 {
         self.numbers.light[0].0[place]
     }
 
-    /// The places whose paths end or are scattered, rather than passing straight through.
+    /// The places whose paths end or are scattered, without those of null transmission.
     pub(super) fn covered_places(&self) -> impl Iterator<Item = usize> + use<> {
         places(((1_u64 << self.count) - 1) as u32 & !self.next.null)
     }
 
-    /// The places whose paths go on.
+    /// The places whose paths continue.
     pub(super) fn next_places(&self) -> impl Iterator<Item = usize> + use<> {
         places(self.next.places)
     }
 
-    /// How the path of a place goes on, whose vertex lies on `shape`.
+    /// How the path of a place continues; its vertex lies on `shape`.
     #[inline(always)]
     pub(super) fn next_vertex(&self, place: usize, shape: ShapeId) -> NextVertex {
         let next = &self.next;

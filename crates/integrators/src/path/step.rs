@@ -1,4 +1,4 @@
-//! A path on its way, and the steps that it takes: what the scalar loop and the wavefront share.
+//! The state of a path and its steps, shared by the scalar loop and the wavefront.
 
 use crate::estimator::{
     Alpha, Continuation, NextEvent, PathVertex, PathWeight, ProposedLight, ShadingPoint, ThinSheet,
@@ -14,7 +14,7 @@ use etendue_scene::{Hit, Scene, ShapeId, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 use glam::Vec3;
 
-/// A path on its way. The ray that it goes on with is kept apart.
+/// The state of a path. The ray is stored separately.
 pub(super) struct PathState {
     pub(super) sampler: Sampler,
     /// The last vertex.
@@ -28,17 +28,17 @@ pub(super) struct PathState {
     pub(super) alpha: Alpha,
 }
 
-/// Where and how a path goes on.
+/// Where and how a path continues.
 #[derive(Clone, Copy)]
 pub(super) struct NextVertex {
     pub(super) ray: Ray,
-    /// The vertex that it leaves.
+    /// The vertex it leaves.
     pub(super) vertex: PathVertex,
-    /// The shape that the vertex lies on.
+    /// The shape of that vertex.
     pub(super) shape: ShapeId,
     pub(super) throughput: Spectrum,
     pub(super) eta: f32,
-    /// Whether it passes straight through the surface, as if that were not there.
+    /// Whether it is transmitted unchanged, as if the surface were not there.
     pub(super) null: bool,
 }
 
@@ -56,7 +56,7 @@ impl PathState {
         }
     }
 
-    /// Goes on; returns the ray.
+    /// Continues the path; returns the ray.
     #[inline(always)]
     pub(super) fn advance(&mut self, next: NextVertex) -> Ray {
         if next.null {
@@ -66,23 +66,23 @@ impl PathState {
         next.ray
     }
 
-    /// What the path has found.
+    /// The light that the path has found.
     pub(super) fn result(&self) -> Radiance {
         Radiance { color: self.radiance, alpha: self.alpha.value() }
     }
 }
 
-/// A step of any number of paths, from one vertex to the next: what they have in common.
+/// One step of any number of paths, from one vertex to the next: the data they share.
 #[derive(Clone, Copy)]
 pub(super) struct Step<'a> {
     pub(super) parameters: &'a PathParameters,
     pub(super) scene: &'a Scene,
-    /// Edges of the paths so far.
+    /// The number of edges so far.
     pub(super) depth: u32,
 }
 
 impl<'a> Step<'a> {
-    /// The next surface that a path meets.
+    /// Finds the next surface that a path hits.
     pub(super) fn next_surface(
         &self,
         path: &mut PathState,
@@ -93,7 +93,7 @@ impl<'a> Step<'a> {
         hit.map(|hit| self.scene.interaction(ray, &hit))
     }
 
-    /// Replaces a hit that does not count: of a hidden emitter, or of the rest of a thin sheet.
+    /// Skips a hit that does not count: on a hidden emitter, or on the other face of a thin sheet.
     #[inline(always)]
     pub(super) fn skip_hits(&self, path: &mut PathState, ray: &mut Ray, hit: &mut Option<Hit>) {
         let hide_emitters = self.parameters.hide_emitters.at_depth(self.depth);
@@ -107,7 +107,7 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// The ray of a path has left the scene.
+    /// Handles a path whose ray has left the scene.
     pub(super) fn escape(&self, path: &mut PathState, ray: &Ray) {
         if self.parameters.hide_emitters.at_depth(self.depth).0 {
             return;
@@ -116,7 +116,7 @@ impl<'a> Step<'a> {
         path.alpha.escape(self.scene, self.parameters.hide_emitters);
     }
 
-    /// Adds light that a surface itself emits.
+    /// Adds light that a surface emits.
     #[inline(always)]
     pub(super) fn add_emission(
         &self,
@@ -128,13 +128,13 @@ impl<'a> Step<'a> {
             path.throughput * emitted(self.scene, surface, ray.direction, &path.vertex);
     }
 
-    /// Whether paths end with the surfaces that they meet now.
+    /// Whether paths end at the surfaces they hit now.
     #[inline(always)]
     pub(super) fn is_last(&self) -> bool {
         self.depth + 1 >= self.parameters.limits.max_depth
     }
 
-    /// Whether a path that has met a surface is scattered there.
+    /// Whether a path that has hit a surface is scattered there.
     #[inline(always)]
     pub(super) fn scatters(&self, surface: &SurfaceInteraction, ray: &Ray) -> bool {
         let strict_normals = self.parameters.strict_normals;
@@ -142,13 +142,13 @@ impl<'a> Step<'a> {
         !self.is_last() && strict_normals.cut_arrivals(true, &point, ray.direction.into())
     }
 
-    /// How light straight from emitters is found.
+    /// The settings of next-event estimation.
     #[inline(always)]
     pub(super) fn next_event(&self) -> NextEvent {
         NextEvent { strict_normals: self.parameters.strict_normals, scatter_ratio: 1.0 }
     }
 
-    /// Light from an emitter chosen by chance.
+    /// Light from one randomly chosen emitter.
     #[inline(always)]
     pub(super) fn propose_light(
         &self,
@@ -162,13 +162,13 @@ impl<'a> Step<'a> {
         self.next_event().propose(self.scene, surface, bsdf, random.into())
     }
 
-    /// Whether paths end by Russian roulette.
+    /// Whether Russian roulette is active.
     #[inline(always)]
     pub(super) fn plays_roulette(&self) -> bool {
         self.depth + 1 >= self.parameters.limits.rr_depth
     }
 
-    /// Chooses the direction in which a path goes on.
+    /// Samples the direction in which a path continues.
     #[inline(always)]
     pub(super) fn sample_direction(
         &self,

@@ -1,13 +1,13 @@
 //! Paths that advance together, one vertex at a time.
 //!
-//! Each step is a loop over all paths that go on: trace the rays, look up the surfaces, propose light
-//! and choose directions, trace the shadow rays. Vertices on triangles are sorted by the kind of their
-//! material, and those of a kind are shaded together, one to a SIMD lane ([`Batch`]). The others are
-//! shaded one by one. The results are those of the scalar loop.
+//! Each step is a series of loops over all active paths: trace the rays, look up the surfaces,
+//! sample light and directions, trace the shadow rays. Vertices on triangles are sorted by the kind
+//! of their material, and those of one kind are shaded together, one per SIMD lane ([`Batch`]). The
+//! others are shaded one by one. The results are those of the scalar loop.
 //!
-//! Even for vertices that are shaded one by one, steps are a tenth faster than whole paths. A path is a
-//! long chain in which every number waits for the one before; in short loops the processor works on
-//! several chains at once.
+//! Even for vertices shaded one by one, stepping all paths is 10 % faster than tracing one path
+//! after another. A path is a long dependency chain; in short loops the processor overlaps several
+//! chains.
 
 use super::batch::{Batch, places};
 use super::step::{PathState, Step};
@@ -21,38 +21,39 @@ use etendue_scene::shape::Geometry;
 use etendue_scene::{Hit, LaneKind, MaterialId, Scene, ShapeId, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
 
-/// Where a path has met a surface.
+/// A surface hit of a path.
 struct Vertex {
-    /// Which of the paths.
+    /// The index of the path.
     path: usize,
     surface: SurfaceInteraction,
 }
 
-/// Light that is a path's if its shadow ray is free.
+/// Light that a path receives if its shadow ray is free.
 struct PendingContribution {
-    /// Which of the paths.
+    /// The index of the path.
     path: usize,
     radiance: Spectrum,
 }
 
-/// Light that was proposed, and beside it the rays that must be free.
+/// Pending light and, in parallel, its shadow rays.
 struct PendingContributions {
     contributions: Vec<PendingContribution>,
     rays: Vec<Ray>,
 }
 
-/// Into how many groups the rays to lights are divided, at most.
+/// The maximum number of groups of shadow rays.
 const LIGHT_GROUPS: usize = 8;
 
-/// The light proposed at a depth, in groups. From the first vertices, which lie side by side, the rays
-/// to one light are coherent, and the tree takes them in packets; later there is one group.
+/// The pending light at one depth, in groups. From the first vertices, which lie close together,
+/// the rays to one light are coherent, and the tree traces them in packets. Later depths use a
+/// single group.
 struct LightGroups(Vec<PendingContributions>);
 
-/// Where a path has met a triangle whose material is shaded in lanes.
+/// A path's hit on a triangle whose material is shaded in lanes.
 struct Arrival {
-    /// Which of the paths.
+    /// The index of the path.
     path: usize,
-    /// Which of the rays.
+    /// The index of the ray.
     ray: usize,
     hit: Hit,
     material: MaterialId,
@@ -63,20 +64,20 @@ pub(super) struct Wavefront<'a> {
     parameters: &'a PathParameters,
     scene: &'a Scene,
     paths: Vec<PathState>,
-    /// Edges of all paths so far.
+    /// The number of edges of all paths so far.
     depth: u32,
-    /// The paths that go on, and beside them the rays that they go on with.
+    /// The active paths and, in parallel, their rays.
     active: Vec<usize>,
     rays: Vec<Ray>,
-    /// The rays that led to the present vertices.
+    /// The rays that led to the current vertices.
     arriving: Vec<Ray>,
     hits: Vec<Option<Hit>>,
-    /// The vertices to be shaded in lanes, by the kind of their materials.
+    /// The vertices to be shaded in lanes, by material kind.
     arrivals: [Vec<Arrival>; LaneKind::COUNT],
     /// The vertices to be shaded one by one.
     vertices: Vec<Vertex>,
     numbers: Vec<VertexNumbers<f32>>,
-    /// Light that may arrive at the vertices.
+    /// The pending light at the vertices.
     lights: Vec<Option<DirectionSample>>,
     pending: LightGroups,
     occluded: Vec<bool>,
@@ -110,7 +111,7 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Follows all paths to their ends.
+    /// Traces all paths to their ends.
     pub(super) fn trace(mut self) -> impl Iterator<Item = Radiance> {
         if self.parameters.limits.max_depth == 0 {
             self.active.clear();
@@ -131,12 +132,12 @@ impl<'a> Wavefront<'a> {
         self.paths.into_iter().map(|path| path.result())
     }
 
-    /// What all paths have in common at this depth.
+    /// What all paths share at this depth.
     fn step(&self) -> Step<'a> {
         Step { parameters: self.parameters, scene: self.scene, depth: self.depth }
     }
 
-    /// Replaces hits that do not count.
+    /// Skips hits that do not count.
     fn skip_hits(&mut self) {
         let step = self.step();
         for ((&index, ray), hit) in self.active.iter().zip(&mut self.rays).zip(&mut self.hits) {
@@ -144,7 +145,8 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Decides how each vertex is shaded: in lanes, or on its own. Paths that end here get their light.
+    /// Decides how each vertex is shaded: in lanes or alone. Paths that end here receive their
+    /// light.
     fn sort_hits(&mut self) {
         let step = self.step();
         self.vertices.clear();
@@ -175,14 +177,14 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Keeps the rays that have arrived, and makes room for those that go on.
+    /// Keeps the rays that have arrived and makes room for the next ones.
     fn leave(&mut self) {
         std::mem::swap(&mut self.rays, &mut self.arriving);
         self.rays.clear();
         self.active.clear();
     }
 
-    /// Shades the vertices whose materials can be, many at once.
+    /// Shades the vertices whose materials support lanes, many at once.
     fn shade_in_lanes(&mut self) {
         let arrivals = std::mem::take(&mut self.arrivals);
         for (kind, arrivals) in LaneKind::ALL.into_iter().zip(&arrivals) {
@@ -218,7 +220,7 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Brings vertices into the batch, and adds the light that their surfaces emit.
+    /// Loads vertices into the batch and adds the light that their surfaces emit.
     fn load_batch(&mut self, kind: LaneKind, arrivals: &[Arrival]) {
         let step = self.step();
         let batch = &mut self.batch;
@@ -250,7 +252,7 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Chooses light for the vertices whose materials may reflect any.
+    /// Samples light for the vertices whose materials may scatter it.
     fn choose_lights(&mut self) {
         let Self { parameters, scene, .. } = *self;
         self.lights.clear();
@@ -261,7 +263,8 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Resolves the materials: what they reflect of the light chosen, and where the paths go on.
+    /// Resolves the materials: how much of the sampled light they scatter, and how the paths
+    /// continue.
     fn shade_one_by_one(&mut self) {
         let step = self.step();
         for ((vertex, numbers), light) in self.vertices.iter().zip(&self.numbers).zip(&self.lights)
@@ -287,7 +290,7 @@ impl<'a> Wavefront<'a> {
         }
     }
 
-    /// Adds the pending light that nothing stands between.
+    /// Adds the pending light that is not occluded.
     fn add_pending(&mut self) {
         for group in &mut self.pending.0 {
             self.occluded.clear();
@@ -310,8 +313,8 @@ impl LightGroups {
         Self((0..groups).map(|_| PendingContributions::new(path_count)).collect())
     }
 
-    /// Keeps the light of a path in the group of the emitter that the random number `choice` has
-    /// chosen.
+    /// Stores a path's pending light in the group of the emitter that the random number `choice`
+    /// selected.
     #[inline(always)]
     fn keep(&mut self, path: usize, choice: f32, light: ProposedLight) {
         let count = self.0.len();

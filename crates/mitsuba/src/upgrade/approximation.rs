@@ -1,10 +1,10 @@
-//! Approximations, gathered so that each kind is reported once.
+//! Approximations, collected so that each kind is reported once.
 
 use std::collections::BTreeMap;
 
 use etendue_document::{Diagnostic, Diagnostics, Fault, SourceId, Sources, Span};
 
-/// Further places are counted, not listed.
+/// Further positions are counted, not listed.
 const LISTED: usize = 40;
 
 /// The approximations of a scene by message.
@@ -14,12 +14,12 @@ pub(super) struct Approximations {
 }
 
 impl Approximations {
-    /// Notes one, at its place.
+    /// Records one with its position.
     pub(super) fn add(&mut self, message: impl Into<String>, span: Span) {
         self.places.entry(message.into()).or_default().push(span);
     }
 
-    /// One warning for each kind at its first place, which lists the lines of the others.
+    /// Emits one warning per kind at its first position, listing the lines of the others.
     pub(super) fn report(self, sources: &Sources, diagnostics: &Diagnostics) {
         for (message, mut places) in self.places {
             places.sort();

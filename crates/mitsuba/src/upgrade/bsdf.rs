@@ -1,4 +1,4 @@
-//! BSDFs: the Phong and Ward models, and microfacet distributions that no longer exist.
+//! BSDFs: Phong and Ward models, and microfacet distributions that no longer exist.
 
 use etendue_document::{Child, Class, FlatNode, List, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::approximation::Approximations;
 use super::entries::{find, new_parameter, number, take};
 
-/// Upgrades one BSDF; new nodes come at the end.
+/// Upgrades one BSDF; new nodes are appended.
 pub(super) fn upgrade(
     nodes: &mut Vec<FlatNode>,
     index: usize,
@@ -32,7 +32,7 @@ pub(super) fn old_defaults(node: &mut FlatNode) {
     }
 }
 
-/// `as` (anisotropic Phong, Ashikhmin and Shirley) and `phong` take Beckmann's place with the same
+/// `as` (anisotropic Phong, Ashikhmin and Shirley) and `phong` become Beckmann with the same
 /// `alpha`, from which version 0.6 derives their exponents.
 fn distribution(node: &mut FlatNode, approximations: &mut Approximations) {
     let mut parameters = node.parameters.iter_mut();
@@ -57,9 +57,9 @@ struct Glossy {
     alpha_v: f64,
 }
 
-/// Phong and Ward add a glossy lobe to a diffuse one. So does a blend of `roughconductor` without
-/// Fresnel term and `diffuse`, each divided by its weight. Where a texture stands for one of the
-/// colors, nothing can be divided: then `roughplastic` is nearest.
+/// Phong and Ward add a glossy lobe to a diffuse one. This is equivalent to a blend of
+/// `roughconductor` without Fresnel term and `diffuse`, each divided by its weight. A textured
+/// colour cannot be divided; then `roughplastic` is the closest model.
 fn glossy(nodes: &mut Vec<FlatNode>, index: usize, approximations: &mut Approximations) {
     let node = &mut nodes[index];
     let plugin = std::mem::take(&mut node.plugin);
@@ -83,11 +83,11 @@ fn glossy(nodes: &mut Vec<FlatNode>, index: usize, approximations: &mut Approxim
     approximations.add(format!("`{plugin}` is rendered as {new}"), nodes[index].span);
 }
 
-/// Beckmann's roughness along both tangents.
+/// Beckmann roughness along both tangents.
 ///
-/// Ward's lobe falls off with exp(−tan²θ_h / α²), which is Beckmann's. Phong's falls off with
-/// cosⁿ of the angle to the mirror direction, which is twice θ_h, so with exp(−2 n θ_h²) near the
-/// middle: α² = 1 / (2 n + 1), which is Walter et al. 2007, section 5.2, for an exponent of 4 n.
+/// Ward's lobe falls off with exp(−tan²θ_h / α²), like Beckmann's. Phong's falls off with cosⁿ of
+/// the angle to the mirror direction, which is 2 θ_h, so with exp(−2 n θ_h²) near the peak: α² = 1
+/// / (2 n + 1). This is Walter et al. 2007, section 5.2, for an exponent of 4 n.
 fn roughness(node: &mut FlatNode, plugin: &str) -> (f64, f64) {
     let mut read = |name: &str, default: f64| {
         take(node, name).and_then(|parameter| number(&parameter.value)).unwrap_or(default)
@@ -100,7 +100,7 @@ fn roughness(node: &mut FlatNode, plugin: &str) -> (f64, f64) {
     (alpha, alpha)
 }
 
-/// A colour that is the same everywhere; `None` where it is a texture or measured.
+/// A constant colour; `None` if it is a texture or a measured spectrum.
 fn color(node: &FlatNode, name: &str, default: f64) -> Option<DVec3> {
     if node.children.iter().any(|child| child.name.as_deref() == Some(name)) {
         return None;
@@ -115,7 +115,7 @@ fn color(node: &FlatNode, name: &str, default: f64) -> Option<DVec3> {
     }
 }
 
-/// Makes the node a blend of two new ones.
+/// Turns the node into a blend of two new ones.
 fn blend(nodes: &mut Vec<FlatNode>, index: usize, glossy: &Glossy) {
     let (diffuse, specular) = (glossy.diffuse.max_element(), glossy.specular.max_element());
     let sum = diffuse + specular;
@@ -151,7 +151,7 @@ fn blend(nodes: &mut Vec<FlatNode>, index: usize, glossy: &Glossy) {
     node.plugin = "blendbsdf".into();
 }
 
-/// A BSDF at the place of the node that it was made from.
+/// A BSDF at the position of the node that it was made from.
 pub(super) fn with_parameters(
     origin: &FlatNode,
     plugin: &str,

@@ -1,4 +1,4 @@
-//! Emitters: version 0.6's `sky`, `sun` and `sunsky` are one `sunsky` now, whose up is +z.
+//! Emitters: version 0.6's `sky`, `sun` and `sunsky` become one `sunsky` with +z up.
 
 use etendue_document::{FlatNode, Parameter, Value};
 use glam::{DMat4, DVec4};
@@ -6,19 +6,19 @@ use glam::{DMat4, DVec4};
 use super::approximation::Approximations;
 use super::entries::{find, number, take};
 
-/// The sky's own space in that of version 0.6, whose up is +y, with the north at −z and the east at +x.
-/// Version 3 has up +z, the south at +x and the west at +y.
+/// Maps the sky's space to that of version 0.6, where +y is up, −z north and +x east. In version 3,
+/// +z is up, +x south and +y west.
 const UP: DMat4 = DMat4::from_cols(
     DVec4::new(0.0, 0.0, 1.0, 0.0),
     DVec4::new(-1.0, 0.0, 0.0, 0.0),
     DVec4::new(0.0, 1.0, 0.0, 0.0),
     DVec4::W,
 );
-/// Version 0.6's default albedo of the ground.
+/// Version 0.6's default ground albedo.
 const ALBEDO: f64 = 0.15;
-/// The angle that the sun takes, in degrees.
+/// The angular size of the sun in degrees.
 const APERTURE: f64 = 0.5358;
-/// A sun without a size is given this share of its own: it cannot be a point.
+/// A sun of size zero gets this fraction of the real size, because it cannot be a point.
 const LEAST_RADIUS: f64 = 0.01;
 /// Parameters that controlled how version 0.6 rasterised its sky.
 const WITHOUT_MEANING: [&str; 3] = ["resolution", "stretch", "sampling_weight"];
@@ -54,7 +54,8 @@ pub(super) fn upgrade(node: &mut FlatNode, is_old: bool) {
     set(node, "to_world", Value::transform(to_world * UP));
 }
 
-/// Makes a `timed_sunsky`, whose sun wanders, the `sunsky` of its first day, halfway through the hours.
+/// Turns a `timed_sunsky`, whose sun moves, into the `sunsky` of its first day at the middle of its
+/// hours.
 pub(super) fn stop_the_clock(node: &mut FlatNode, approximations: &mut Approximations) {
     if node.plugin != "timed_sunsky" {
         return;
@@ -77,7 +78,7 @@ pub(super) fn stop_the_clock(node: &mut FlatNode, approximations: &mut Approxima
     set(node, "hour", Value::Float(middle));
 }
 
-/// Parameters that time the sun of a `timed_sunsky`.
+/// The time parameters of a `timed_sunsky`.
 const TIME_PARAMETERS: [&str; 7] = [
     "window_start_time",
     "window_end_time",
@@ -88,7 +89,7 @@ const TIME_PARAMETERS: [&str; 7] = [
     "shutter_close",
 ];
 
-/// Gives a parameter a value, at the place of the parameter that it replaces or of the node.
+/// Sets a parameter at the position of the one it replaces, or of the node.
 fn set(node: &mut FlatNode, name: &str, value: Value) {
     let span = take(node, name).map_or(node.span, |old| old.span);
     let (name, original_name) = (name.into(), name.into());

@@ -15,12 +15,12 @@ pub(super) fn take(node: &mut FlatNode, name: &str) -> Option<Parameter> {
     taken
 }
 
-/// The parameter of that name that counts: the last.
+/// The last parameter of that name, which is the one that counts.
 pub(super) fn find<'a>(node: &'a FlatNode, name: &str) -> Option<&'a Parameter> {
     node.parameters.iter().rfind(|parameter| parameter.name == name)
 }
 
-/// A value that is one number.
+/// A value given as one number.
 pub(super) fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Float(number) => Some(*number),
@@ -29,7 +29,7 @@ pub(super) fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// A new parameter at the place of the node that it is made from.
+/// A new parameter at the position of the node that it is made from.
 pub(super) fn new_parameter(origin: &FlatNode, name: &str, value: Value) -> Parameter {
     Parameter { name: name.into(), original_name: name.into(), value, span: origin.span }
 }

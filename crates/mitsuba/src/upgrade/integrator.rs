@@ -5,9 +5,9 @@ use etendue_document::{Class, FlatNode, Parameter, Value};
 use super::approximation::Approximations;
 use super::entries::{find, take};
 
-/// Wrappers of version 0.6 that change where samples go or what is cached, not the picture that
-/// the integrator inside them converges to; and version 3's Stokes vectors, whose first component
-/// is that picture.
+/// Wrappers of version 0.6 that change the sample distribution or caching but not the converged
+/// picture of the nested integrator; and version 3's Stokes vectors, whose first component is that
+/// picture.
 const WRAPPERS: &[&str] = &["adaptive", "irrcache", "stokes"];
 
 /// Upgrades an integrator whose children have been upgraded.
@@ -16,10 +16,10 @@ pub(super) fn upgrade(nodes: &mut [FlatNode], index: usize, approximations: &mut
     unwrap(nodes, index, approximations);
 }
 
-/// Version 0.6's `strictNormals` cuts off light whose sides differ by the geometric and the shading
-/// normal. Version 3 has no such parameter and drops it from the scenes that it converts; meshes
-/// without normals are smooth there, and lose much light by it. Scenes written in the old way are
-/// rendered as version 3 renders them; `strict_normals` still asks for it.
+/// Version 0.6's `strictNormals` removes light that arrives on different sides of the geometric and
+/// the shading normal. Version 3 has no such parameter and drops it when it converts scenes. Meshes
+/// without normals are smooth there and lose much light with it. We therefore render old scenes as
+/// version 3 does; `strict_normals` still enables the rule.
 fn drop_strict_normals(node: &mut FlatNode, approximations: &mut Approximations) {
     let old = find(node, "strict_normals").filter(|old| old.original_name == "strictNormals");
     let Some(Parameter { value: Value::Boolean(wanted), span, .. }) = old.cloned() else { return };

@@ -1,4 +1,4 @@
-//! BSDFs made of others, and sheets: mixtures, coatings, diffuse transmission, woven cloth.
+//! Composite BSDFs and sheets: mixtures, coatings, diffuse transmission, woven cloth.
 
 use etendue_document::{Child, Class, FlatNode, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
@@ -7,11 +7,10 @@ use super::approximation::Approximations;
 use super::bsdf::with_parameters;
 use super::entries::{find, new_parameter, number, take};
 
-/// The reflectance of a coat at normal incidence where its index is not given as a number: that of
-/// glass.
+/// The reflectance at normal incidence of a coat without a numeric index: that of glass.
 const USUAL_REFLECTANCE: f64 = 0.04;
 
-/// Upgrades one BSDF whose children have been upgraded; new nodes come at the end.
+/// Upgrades one BSDF whose children have been upgraded; new nodes are appended.
 pub(super) fn upgrade(
     nodes: &mut Vec<FlatNode>,
     index: usize,
@@ -33,8 +32,8 @@ fn nested(nodes: &[FlatNode], index: usize) -> Vec<Child> {
     nodes[index].children.iter().filter(is_bsdf).cloned().collect()
 }
 
-/// A mixture of any number becomes blends of two. If the weights sum to less than one, the rest is
-/// black; if to more, all are scaled down, as in version 0.6.
+/// A mixture of any number becomes nested blends of two. If the weights sum to less than one, the
+/// rest is black; if to more, all are scaled down, as in version 0.6.
 fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     let Some(Value::String(text)) = find(&nodes[index], "weights").map(|weights| &weights.value)
     else {
@@ -63,14 +62,14 @@ fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     (node.plugin, node.parameters, node.children) = (plugin, parameters, children);
 }
 
-/// Appends a node; the result is its entry for a parent.
+/// Appends a node; returns its entry for a parent.
 fn add(nodes: &mut Vec<FlatNode>, node: FlatNode) -> Child {
     let child = Child { name: None, node: NodeId(nodes.len() as u32), span: node.span };
     nodes.push(node);
     child
 }
 
-/// A balanced tree of blends, which keeps the depth small.
+/// A balanced tree of blends, to limit the depth.
 fn blend(nodes: &mut Vec<FlatNode>, origin: usize, parts: &[(Child, f64)]) -> Child {
     if let [(only, _)] = parts {
         return only.clone();
@@ -87,8 +86,8 @@ fn blend(nodes: &mut Vec<FlatNode>, origin: usize, parts: &[(Child, f64)]) -> Ch
     add(nodes, node)
 }
 
-/// A clear coat over a diffuse base is `plastic`; over anything else, a mirror is mixed in as much
-/// as the coat reflects from above.
+/// A clear coat over a diffuse base is `plastic`; over anything else, a mirror is mixed in,
+/// weighted by the coat's reflectance at normal incidence.
 fn coating(nodes: &mut Vec<FlatNode>, index: usize, approximations: &mut Approximations) {
     let bases = nested(nodes, index);
     let [base] = bases.as_slice() else { return };
@@ -136,7 +135,7 @@ fn coat_diffuse(node: &mut FlatNode, base: &FlatNode, plugin: &str) {
         node: child.node,
         span: child.span,
     }));
-    // Light that the coat reflects back is coloured by the base again, as in the coating.
+    // The base colours light that the coat reflects back onto it, as in the coating.
     let nonlinear = new_parameter(node, "nonlinear", Value::Boolean(true));
     node.parameters.push(nonlinear);
     node.plugin = plugin.into();
@@ -156,7 +155,7 @@ fn normal_reflectance(node: &FlatNode) -> f64 {
     if root.is_finite() { (root * root).min(1.0) } else { USUAL_REFLECTANCE }
 }
 
-/// Diffuse transmission is a thin sheet that lets all diffuse light pass.
+/// Diffuse transmission is a thin sheet that transmits all diffuse light.
 fn diffuse_transmitter(node: &mut FlatNode) {
     rename(node, "transmittance", "base_color");
     let all = new_parameter(node, "diff_trans", Value::Float(2.0));
@@ -164,7 +163,8 @@ fn diffuse_transmitter(node: &mut FlatNode) {
     node.plugin = "principledthin".into();
 }
 
-/// Hanrahan and Krueger's slab becomes a sheet of its albedo, with half of the light on either side.
+/// Hanrahan and Krueger's slab becomes a sheet with its albedo, with half of the light on either
+/// side.
 fn slab(node: &mut FlatNode, approximations: &mut Approximations) {
     let albedo = take(node, "albedo").and_then(|albedo| color(&albedo.value));
     let [scattering, absorption] =
@@ -185,7 +185,7 @@ fn slab(node: &mut FlatNode, approximations: &mut Approximations) {
     approximations.add(message, node.span);
 }
 
-/// Woven cloth becomes a rough surface: its weave is in a file of its own kind.
+/// Woven cloth becomes a rough surface: its weave is in a separate file format.
 fn cloth(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters = vec![new_parameter(node, "alpha", Value::Float(0.5))].into();
     node.children.clear();
@@ -201,7 +201,7 @@ fn rename(node: &mut FlatNode, old: &str, new: &str) {
     children.for_each(|child| child.name = Some(new.into()));
 }
 
-/// A colour that is the same at all wavelengths, or given in RGB.
+/// A colour that is constant over wavelengths or given in RGB.
 fn color(value: &Value) -> Option<DVec3> {
     match value {
         Value::Rgb(color) => Some(*color),

@@ -54,7 +54,8 @@ fn coefficients(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters.extend(added);
 }
 
-/// Takes the name of a preset: its scattering and absorption. An unknown name is kept and reported.
+/// Removes the name of a preset and returns its scattering and absorption. An unknown name is kept
+/// and reported.
 fn preset(node: &mut FlatNode) -> Option<(DVec3, DVec3)> {
     let Value::String(name) = &find(node, "material")?.value else { return None };
     let name = name.to_lowercase();
@@ -67,7 +68,7 @@ fn preset(node: &mut FlatNode) -> Option<(DVec3, DVec3)> {
     Some((DVec3::new(s0, s1, s2), DVec3::new(a0, a1, a2)))
 }
 
-/// Takes a constant colour; others are kept and reported.
+/// Removes a constant colour and returns it; others are kept and reported.
 fn constant(node: &mut FlatNode, name: &str) -> Option<DVec3> {
     let value = match &find(node, name)?.value {
         Value::Rgb(color) => *color,
@@ -78,14 +79,14 @@ fn constant(node: &mut FlatNode, name: &str) -> Option<DVec3> {
     Some(value)
 }
 
-/// Upgrades one phase function whose children have been upgraded; new nodes come at the end.
+/// Upgrades one phase function whose children have been upgraded; new nodes are appended.
 pub(super) fn upgrade_phase(nodes: &mut Vec<FlatNode>, index: usize) {
     if nodes[index].plugin == "mixturephase" {
         mixture(nodes, index);
     }
 }
 
-/// A mixture of any number of phase functions becomes blends of two: the first and the rest.
+/// A mixture of any number of phase functions becomes nested blends of two: the first and the rest.
 fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     let node = &nodes[index];
     let Some(Parameter { value: Value::String(text), .. }) = find(node, "weights") else { return };

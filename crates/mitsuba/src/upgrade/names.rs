@@ -1,10 +1,10 @@
-//! Parameter names: camelCase, and names that have changed.
+//! Parameter names: camelCase and renames.
 
 use etendue_document::{FlatNode, NameInterner};
 
 use super::tables;
 
-/// Gives every parameter and child of a node its name of version 3.
+/// Gives every parameter and child of a node its version 3 name.
 pub(super) fn upgrade(node: &mut FlatNode, names: &mut NameInterner) {
     for parameter in &mut node.parameters {
         if let Some(name) = snake_case(&parameter.name) {
@@ -38,8 +38,8 @@ fn rename(node: &mut FlatNode, old: &str, new: &str) {
     }
 }
 
-/// The snake_case form of a camelCase name: an underscore before every run of capitals that
-/// follows a small letter or a digit. `None` where there is no such run.
+/// The snake_case form of a camelCase name: an underscore before every run of capitals that follows
+/// a lower-case letter or a digit. `None` if there is no such run.
 fn snake_case(name: &str) -> Option<String> {
     if !name.bytes().any(|byte| byte.is_ascii_uppercase()) {
         return None;

@@ -4,7 +4,7 @@ use etendue_document::{Diagnostics, Fault, FlatNode};
 
 use super::entries::{find, number, take};
 
-/// Makes a `perspective` sensor with an aperture a `thinlens`, as its author meant.
+/// Turns a `perspective` sensor with an aperture into a `thinlens`, as its author intended.
 pub(super) fn upgrade(node: &mut FlatNode, diagnostics: &Diagnostics) {
     if node.plugin != "perspective" {
         return;

@@ -1,4 +1,4 @@
-//! Shapes: version 3's `merge` is about memory and does not change the picture.
+//! Shapes: version 3's `merge` only saves memory and does not change the picture.
 
 use etendue_document::{Child, Class, FlatNode};
 

@@ -1,5 +1,5 @@
-//! Version 3 writes spectra as nested plugins. Here they are values: the parameter tells whether they are
-//! light or reflectance.
+//! Spectra: version 3 writes them as nested plugins; here they are values, and the parameter
+//! determines whether they are emission or reflectance.
 
 use etendue_document::{Class, FlatNode, NodeId, Parameter, SpectrumValue, Value};
 use glam::DVec3;
@@ -15,7 +15,7 @@ pub(super) fn inline(nodes: &mut [FlatNode], index: usize) {
     let (spectra, others): (Vec<_>, Vec<_>) =
         children.into_iter().partition(|child| value(nodes, child.node).is_some());
     for child in spectra {
-        // Unnamed ones exist only to be referred to.
+        // Unnamed ones exist only as targets of references.
         if let (Some(name), Some(value)) = (child.name, value(nodes, child.node)) {
             let (original_name, span) = (name.clone(), child.span);
             nodes[index].parameters.push(Parameter { name, original_name, value, span });
@@ -31,8 +31,8 @@ fn value(nodes: &[FlatNode], node: NodeId) -> Option<Value> {
         return None;
     }
     match node.plugin.as_str() {
-        // A plain number, as `uniform` is grey also where it is light; a constant in short would be
-        // equal-energy white there.
+        // A plain number, because `uniform` is grey even as emission; the short form of a constant
+        // would be equal-energy white there.
         "uniform" => {
             let constant = find(node, "value").map_or(Some(1.0), |value| number(&value.value))?;
             Some(Value::Float(constant))
@@ -41,7 +41,7 @@ fn value(nodes: &[FlatNode], node: NodeId) -> Option<Value> {
             Value::Rgb(color) => Some(Value::Rgb(color)),
             _ => None,
         },
-        // White, of which the colour is a share.
+        // The colour is relative to white.
         "d65" => {
             let scale = find(node, "scale").map_or(Some(1.0), |scale| number(&scale.value))?;
             match find(node, "color").map(|color| &color.value) {

@@ -1,4 +1,4 @@
-//! What has changed between versions, as data.
+//! Changes between versions, as data.
 
 use etendue_document::{Class, FlatNode};
 
@@ -7,7 +7,7 @@ use super::approximation::Approximations;
 /// A renamed parameter with the same meaning.
 struct Renamed {
     class: Class,
-    /// The plugins it belongs to; none for all of the class.
+    /// The plugins it applies to; if empty, all of the class.
     plugins: &'static [&'static str],
     old: &'static str,
     new: &'static str,
@@ -117,7 +117,7 @@ pub(super) fn rename_plugin(node: &mut FlatNode) {
     }
 }
 
-/// Replaces a plugin that this version lacks by the nearest one.
+/// Replaces an unsupported plugin by the closest one.
 pub(super) fn approximate_plugin(node: &mut FlatNode, approximations: &mut Approximations) {
     let rule = APPROXIMATED.iter().find(|rule| rule.class == node.class && node.plugin == rule.old);
     if let Some(rule) = rule {
@@ -125,7 +125,7 @@ pub(super) fn approximate_plugin(node: &mut FlatNode, approximations: &mut Appro
         approximations.add(message, node.span);
         node.plugin = rule.new.into();
         if node.class == Class::Integrator {
-            // The other parameters control what no longer exists.
+            // The other parameters control features that do not exist here.
             node.parameters.retain(|p| KEPT_INTEGRATOR_PARAMETERS.contains(&&*p.name));
             node.children.clear();
         }

@@ -22,14 +22,14 @@ pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) 
     }
 }
 
-/// The colours of vertices are an attribute of their mesh like any other.
+/// Vertex colours are an ordinary mesh attribute.
 fn vertex_colors(node: &mut FlatNode) {
     node.parameters =
         vec![new_parameter(node, "name", Value::String("vertex_color".to_owned()))].into();
     node.plugin = "mesh_attribute".into();
 }
 
-/// Texture coordinates do not tell where edges are: what remains is the colour between them.
+/// Texture coordinates do not tell where edges are, so only the colour between them remains.
 fn wireframe(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters.retain(|parameter| parameter.name == "interior_color");
     node.children.retain(|child| child.name.as_deref() == Some("interior_color"));
@@ -43,7 +43,7 @@ fn wireframe(node: &mut FlatNode, approximations: &mut Approximations) {
     approximations.add(message, node.span);
 }
 
-/// Curvature is not computed here: a constant takes its place.
+/// Curvature is not computed here; a constant replaces it.
 fn curvature(node: &mut FlatNode, approximations: &mut Approximations) {
     node.parameters = vec![new_parameter(node, "color0", Value::Float(0.5))].into();
     node.children.clear();
@@ -51,15 +51,15 @@ fn curvature(node: &mut FlatNode, approximations: &mut Approximations) {
     approximations.add("a `curvature` texture is rendered as grey", node.span);
 }
 
-/// A grid without lines is a colour.
+/// A grid without lines becomes a colour.
 fn without_lines(node: &mut FlatNode) {
     let width = new_parameter(node, "line_width", Value::Float(0.0));
     node.parameters.push(width);
     node.plugin = "gridtexture".into();
 }
 
-/// `uscale`, `vscale`, `uoffset`, `voffset` become `to_uv`: scaled first, then moved, as version
-/// 0.6 does.
+/// `uscale`, `vscale`, `uoffset`, `voffset` become `to_uv`: scaled first, then offset, as in
+/// version 0.6.
 fn coordinates(node: &mut FlatNode) {
     let mut place = None;
     let mut read = |name: &str, default: f64| {
@@ -89,7 +89,7 @@ fn coordinates(node: &mut FlatNode) {
     });
 }
 
-/// Filters over several levels of detail are replaced by the one without levels.
+/// Mipmap filters are replaced by the filter without levels.
 fn filter(node: &mut FlatNode, approximations: &mut Approximations) {
     replace_text(node, "filter_type", |filter| match filter {
         "trilinear" | "ewa" | "isotropic" | "anisotropic" => {
@@ -126,7 +126,7 @@ fn wrapping(node: &mut FlatNode, approximations: &mut Approximations) {
     .for_each(|(message, span)| approximations.add(message, span));
 }
 
-/// A gamma of 1 means raw numbers; negative ones ask for what the file says.
+/// A gamma of 1 means raw numbers; a negative gamma means the file's own.
 fn gamma(node: &mut FlatNode, approximations: &mut Approximations) {
     let Some((gamma, span)) = find(node, "gamma").and_then(|p| Some((number(&p.value)?, p.span)))
     else {
@@ -148,7 +148,7 @@ fn gamma(node: &mut FlatNode, approximations: &mut Approximations) {
     }
 }
 
-/// Replaces a text where `replacement` knows another; returns what is to be reported, and where.
+/// Replaces a text if `replacement` has a substitute; returns what to report, and where.
 fn replace_text(
     node: &mut FlatNode,
     name: &str,

@@ -1,6 +1,7 @@
-//! Value noise: the same on every machine, since nothing but a hash of integers is random.
+//! Value noise. It is the same on every machine because the only source of randomness is an integer
+//! hash.
 
-/// Smooth noise in [0, 1] that repeats after `period` cells in both directions.
+/// Smooth noise in [0, 1] with a period of `period` cells in both directions.
 ///
 /// Random values at the corners of a unit grid, interpolated with zero slope at the corners
 /// (Ebert et al., *Texturing and Modeling*, 3rd edition, chapter 2).
@@ -15,7 +16,8 @@ pub(super) fn value(x: f64, y: f64, period: u32, seed: u32) -> f64 {
     mix(lower, upper, t)
 }
 
-/// Noise of several scales in [0, 1]: `octaves` of it, each twice as fine and half as strong.
+/// Fractal noise in [0, 1]: `octaves` layers, each twice as fine and half as strong as the one
+/// before.
 pub(super) fn fractal(x: f64, y: f64, period: u32, octaves: u32) -> f64 {
     let mut sum = 0.0;
     let mut total = 0.0;
@@ -27,8 +29,7 @@ pub(super) fn fractal(x: f64, y: f64, period: u32, octaves: u32) -> f64 {
     sum / total
 }
 
-/// Smooth noise in [0, 1] throughout space that never repeats: several scales of it, as
-/// [`fractal`].
+/// Smooth non-repeating noise in [0, 1] over space, with several octaves like [`fractal`].
 pub(super) fn fractal_solid(place: [f64; 3], octaves: u32, seed: u32) -> f64 {
     let mut sum = 0.0;
     let mut total = 0.0;
@@ -40,7 +41,7 @@ pub(super) fn fractal_solid(place: [f64; 3], octaves: u32, seed: u32) -> f64 {
     sum / total
 }
 
-/// Smooth noise in [0, 1] throughout space, from random values at the corners of a unit grid.
+/// Smooth noise in [0, 1] over space, from random values at the corners of a unit grid.
 fn solid(place: [f64; 3], seed: u32) -> f64 {
     let cell = place.map(f64::floor);
     let [s, t, u] = std::array::from_fn(|axis| smooth(place[axis] - cell[axis]));
@@ -54,8 +55,8 @@ fn solid(place: [f64; 3], seed: u32) -> f64 {
     mix(layer(0), layer(1), u)
 }
 
-/// A number in [0, 1) that only depends on its arguments, all of them mixed by multiplications and
-/// shifts (the finisher of MurmurHash3).
+/// A number in [0, 1) that depends only on its arguments, which are mixed by multiplications and
+/// shifts (the finaliser of MurmurHash3).
 pub(super) fn random(x: u32, y: u32, seed: u32) -> f64 {
     let mut hash = x ^ y.wrapping_mul(0x9e37_79b9) ^ seed.wrapping_mul(0x85eb_ca6b);
     for multiplier in [0x85eb_ca6b, 0xc2b2_ae35] {
@@ -65,12 +66,12 @@ pub(super) fn random(x: u32, y: u32, seed: u32) -> f64 {
     f64::from(hash ^ (hash >> 16)) / 4_294_967_296.0
 }
 
-/// From `a` at 0 to `b` at 1.
+/// Interpolates linearly from `a` at 0 to `b` at 1.
 pub(super) fn mix(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
 }
 
-/// From 0 to 1 as `x` goes from `start` to `end`, without a kink.
+/// Rises smoothly from 0 to 1 as `x` goes from `start` to `end`.
 pub(super) fn step(start: f64, end: f64, x: f64) -> f64 {
     smooth(((x - start) / (end - start)).clamp(0.0, 1.0))
 }

@@ -1,4 +1,4 @@
-//! Pictures from functions of the plane.
+//! Pictures from functions of two variables.
 
 use etendue::image::{BitDepth, EncodeOptions, FileFormat, Picture, encode, srgb};
 
@@ -12,7 +12,7 @@ pub(super) struct Size {
 /// A PNG file with 8 bits per sample of sRGB values in [0, 1] at (u, v) in [0, 1]², v upwards.
 pub(super) fn color(size: Size, paint: impl Fn(f64, f64) -> [f64; 3]) -> Vec<u8> {
     let values = sample(size, paint);
-    // Rounded here: a difference in the last digit of some machine's mathematics changes no byte.
+    // Round here, so that a difference in the last bit between machines changes no byte.
     let linear =
         |value: f64| srgb::srgb_u8_to_linear((value.clamp(0.0, 1.0) * 255.0).round() as u8);
     let channels = ["R", "G", "B"].into_iter().enumerate();

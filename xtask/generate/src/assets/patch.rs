@@ -8,13 +8,13 @@ use glam::{DVec3, Vec3};
 /// A grid of quadrilaterals over a patch of surface.
 #[derive(Clone, Copy)]
 pub(super) struct Grid {
-    /// Steps of u.
+    /// The number of steps of u.
     pub(super) columns: u32,
-    /// Steps of v.
+    /// The number of steps of v.
     pub(super) rows: u32,
-    /// Whether u = 1 is u = 0 again.
+    /// Whether the patch is closed along u.
     pub(super) closed_u: bool,
-    /// Whether v = 1 is v = 0 again.
+    /// Whether the patch is closed along v.
     pub(super) closed_v: bool,
 }
 
@@ -41,7 +41,8 @@ pub(super) fn add(mesh: &mut TriangleMesh, grid: Grid, surface: impl Fn(f64, f64
     }
 }
 
-/// A tube of this radius about a curve. `across` is any vector that is never along the curve.
+/// A tube of this radius around a curve. `across` is any vector that is never parallel to the
+/// curve.
 pub(super) fn tube(
     mesh: &mut TriangleMesh,
     grid: Grid,
@@ -58,13 +59,13 @@ pub(super) fn tube(
     });
 }
 
-/// The file of a mesh.
+/// The mesh as a file.
 pub(super) fn file(mesh: &TriangleMesh) -> Vec<u8> {
     debug_assert!(mesh.validate().is_ok());
     write_ply(mesh)
 }
 
-/// For derivatives by central differences: their error is about its square.
+/// The step of central differences; their error is about its square.
 const STEP: f64 = 1e-4;
 
 fn normal(surface: &impl Fn(f64, f64) -> DVec3, u: f64, v: f64) -> DVec3 {
@@ -73,7 +74,7 @@ fn normal(surface: &impl Fn(f64, f64) -> DVec3, u: f64, v: f64) -> DVec3 {
     along_u.cross(along_v).normalize()
 }
 
-/// To multiples of 2⁻¹⁴: a difference in the last digit of some machine's mathematics changes
+/// Rounds to multiples of 2⁻¹⁴, so that a difference in the last bit between machines changes
 /// nothing.
 fn round(vector: DVec3) -> Vec3 {
     ((vector * 16384.0).round() / 16384.0).as_vec3()
@@ -89,7 +90,7 @@ mod tests {
         let grid = Grid { columns: 256, rows: 64, closed_u: true, closed_v: true };
         let direction = |u: f64| DVec3::new((TAU * u).cos(), (TAU * u).sin(), 0.0);
         tube(&mut mesh, grid, 0.25, |u| direction(u) * 2.0, |_| DVec3::Z);
-        // Pappus: the length of the circle times that of its centre's way.
+        // Pappus: the circumference of the circle times the length of its centre's path.
         let exact = TAU * 0.25 * TAU * 2.0;
         assert!((mesh.surface_area() / exact - 1.0).abs() < 5e-3);
         for (position, normal) in mesh.positions.iter().zip(&mesh.normals) {

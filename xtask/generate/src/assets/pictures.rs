@@ -5,14 +5,15 @@ use std::f64::consts::TAU;
 use super::noise::{fractal, mix, random, step, value};
 use super::paint::{self, Size};
 
-/// Courses and bricks per course of the brick wall; whole bricks repeat at its edges.
+/// The number of courses of the brick wall and of bricks per course; whole bricks repeat at the
+/// edges.
 const COURSES: f64 = 8.0;
 const BRICKS: f64 = 4.0;
 const BRICK_SIZE: Size = Size { width: 384, height: 384 };
 
 /// A place on the brick wall.
 struct Brick {
-    /// Which course and which brick in it.
+    /// The indices of the course and of the brick in it.
     course: u32,
     index: u32,
     /// 0 in the mortar, 1 on the brick.
@@ -21,13 +22,13 @@ struct Brick {
 
 /// Running bond: every other course is shifted by half a brick.
 fn brick_at(u: f64, v: f64) -> Brick {
-    // Hand-made edges: none is quite straight.
+    // Hand-made bricks: no edge is quite straight.
     let wobble = |seed: u32| (value(u * 24.0, v * 24.0, 24, seed) - 0.5) * 0.05;
     let course = (v * COURSES).floor();
     let shift = if course.rem_euclid(2.0) < 0.5 { 0.0 } else { 0.5 };
     let along = u * BRICKS + shift;
     let index = along.floor();
-    // Distances to the brick's edges, in heights of a course.
+    // Distances to the brick's edges, in units of the course height.
     let from_side = (0.5 - (along - index - 0.5).abs()) * COURSES / BRICKS + wobble(7);
     let from_bed = 0.5 - (v * COURSES - course - 0.5).abs() + wobble(8);
     let face = step(0.04, 0.12, from_side) * step(0.04, 0.12, from_bed);
@@ -61,14 +62,14 @@ pub(super) fn bricks_height() -> Vec<u8> {
     })
 }
 
-/// A board sawn along a trunk: year rings cut at a slant, sRGB.
+/// A board sawn along a trunk: growth rings cut at a slant, sRGB.
 pub(super) fn wood() -> Vec<u8> {
     const PLANKS: f64 = 5.0;
     paint::color(Size { width: 512, height: 320 }, |u, v| {
         let plank = (v * PLANKS).floor();
         let across = v * PLANKS - plank - 0.5;
         let seed = plank as u32;
-        // Every plank from another place of the trunk.
+        // Every plank comes from another part of the trunk.
         let along = u * 4.0 + random(seed, 0, 11) * 16.0;
         let bend = value(along * 0.5, f64::from(seed), 64, 12) - 0.5;
         let from_heart = ((across * 1.1 + bend * 0.9).powi(2) + 0.02).sqrt();
@@ -91,7 +92,7 @@ pub(super) fn wood() -> Vec<u8> {
 pub(super) fn holes() -> Vec<u8> {
     const COLUMNS: f64 = 2.0;
     paint::grey(Size { width: 128, height: 128 }, |u, v| {
-        // Two square lattices, one shifted by half a cell, stretched to a hexagonal one.
+        // Two square lattices, shifted by half a cell and stretched into a hexagonal one.
         let ripple = |shift: f64| {
             let x = (TAU * (u * COLUMNS + shift)).cos();
             let y = (TAU * (v * COLUMNS + shift)).cos();

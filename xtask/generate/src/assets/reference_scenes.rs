@@ -1,4 +1,4 @@
-//! What the test scenes of `crates/cli/tests/references` use: small pictures and grids.
+//! The small pictures and grids of the test scenes in `crates/cli/tests/references`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use super::volumes::grid_file;
 
 const TILES: Size = Size { width: 16, height: 16 };
 
-/// Rounds to steps that the last digits of a machine's functions do not change.
+/// Rounds to steps so coarse that differences in the last bit between machines do not matter.
 fn round(value: f64) -> f32 {
     ((value * 1024.0).round() / 1024.0) as f32
 }

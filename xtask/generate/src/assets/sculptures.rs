@@ -12,7 +12,7 @@ pub(super) fn knot() -> Vec<u8> {
     const RADIUS: f64 = 1.0;
     const SWING: f64 = 0.42;
     let angles = |t: f64| (2.0 * TAU * t, 3.0 * TAU * t);
-    // The knot lies on a torus; its normal there is never along the curve.
+    // The knot lies on a torus, whose normal is never parallel to the curve.
     let across = |t: f64| {
         let (around, over) = angles(t);
         DVec3::new(over.cos() * around.cos(), over.cos() * around.sin(), over.sin())
@@ -27,11 +27,11 @@ pub(super) fn knot() -> Vec<u8> {
     patch::file(&mesh)
 }
 
-/// A hollow ball of radius 1 about the origin: rods that wind from a ring above to a ring below,
-/// half of them one way and half the other, and a ring between.
+/// A hollow ball of radius 1 around the origin: rods that wind from an upper ring to a lower ring,
+/// half of them in each direction, and a ring between.
 pub(super) fn basket() -> Vec<u8> {
     const RODS: u32 = 9;
-    /// Of the rings above and below.
+    /// The latitude of the upper ring; the lower ring is its mirror image.
     const LATITUDE: f64 = 1.05;
     const ROD_RADIUS: f64 = 0.045;
     let mut mesh = TriangleMesh::default();

@@ -10,7 +10,7 @@ pub(super) fn smoke() -> Vec<u8> {
     grid_file(SIZE, |[x, y, z]| density(x, y, z))
 }
 
-/// A file in Mitsuba's format for grids, of values at the middles of cells of the unit cube.
+/// A file in Mitsuba's grid format, with values at the cell centres of the unit cube.
 pub(super) fn grid_file(size: [u32; 3], value: impl Fn([f64; 3]) -> f32) -> Vec<u8> {
     let mut bytes = b"VOL\x03".to_vec();
     for number in [1, size[0], size[1], size[2], 1] {
@@ -33,10 +33,10 @@ pub(super) fn grid_file(size: [u32; 3], value: impl Fn([f64; 3]) -> f32) -> Vec<
     bytes
 }
 
-/// The density at a point of the unit cube. It is rounded to steps that the last digits of a machine's
-/// functions do not change.
+/// The density at a point of the unit cube, rounded so coarsely that differences in the last bit
+/// between machines do not matter.
 fn density(x: f64, y: f64, z: f64) -> f32 {
-    // What is farther up was carried to the side, and torn into ever larger shreds.
+    // The higher the smoke, the farther it has drifted sideways and the larger its shreds.
     let sway = 0.13 * y;
     let axis_x = 0.5 + sway * (7.0 * y + 0.4).sin();
     let axis_z = 0.5 + sway * (5.5 * y + 1.9).sin();

@@ -12,7 +12,7 @@ pub(super) struct Case {
     pub(super) options: Vec<String>,
 }
 
-/// The seed scenes and the sizes they are rendered at.
+/// The seed scenes and their render sizes.
 const SEEDS: [(&str, &str); 7] = [
     ("cornellbox1.xml", "128x128"),
     ("cornellbox2.xml", "128x128"),
@@ -23,10 +23,10 @@ const SEEDS: [(&str, &str); 7] = [
     ("kitchen/scene.xml", "160x90"),
 ];
 
-/// How deep folders are searched for scenes.
+/// The maximum depth of the search for scene files.
 const MAX_DEPTH: u32 = 6;
 
-/// All scenes of the repository, and those of the folder `shared` that are there.
+/// All scenes of the repository, and those present in the folder `shared`.
 ///
 /// # Errors
 /// If the table of the test scenes cannot be read.
@@ -50,7 +50,7 @@ fn options(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
-/// The scenes under `scenes/`, small.
+/// The scenes under `scenes/`, at a small size.
 fn gallery() -> Vec<Case> {
     let case = |folder: PathBuf| {
         let name = format!("scenes/{}", folder.file_name()?.to_string_lossy());
@@ -61,7 +61,7 @@ fn gallery() -> Vec<Case> {
     sorted_entries(&root().join("scenes")).into_iter().filter_map(case).collect()
 }
 
-/// The test scenes with every variant of their table.
+/// The test scenes in every variant of their table.
 fn test_scenes() -> Result<Vec<Case>, String> {
     let rows = cases::read(&folder())?;
     let variants = rows.into_iter().flat_map(|row| {
@@ -74,8 +74,8 @@ fn test_scenes() -> Result<Vec<Case>, String> {
     Ok(variants.collect())
 }
 
-/// Mitsuba's render tests: `NAME_INTEGRATOR.xml` beside a reference. What `volpath` renders,
-/// `volpathmis` does, too.
+/// Mitsuba's render tests: `NAME_INTEGRATOR.xml` beside a reference. Scenes for `volpath` are also
+/// rendered with `volpathmis`.
 fn suite_cases(scene: PathBuf) -> Vec<Case> {
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let Some((name, integrator)) = stem.rsplit_once('_') else { return Vec::new() };
@@ -93,7 +93,7 @@ fn suite_cases(scene: PathBuf) -> Vec<Case> {
     integrators.iter().map(case).collect()
 }
 
-/// Collects the scene files in a folder and below, by name.
+/// Collects the scene files in a folder recursively, sorted by name.
 fn find_scenes(folder: &Path, depth: u32, files: &mut Vec<PathBuf>) {
     for path in sorted_entries(folder) {
         if path.is_dir() && depth > 0 {
@@ -104,7 +104,7 @@ fn find_scenes(folder: &Path, depth: u32, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// What is in a folder, by name; nothing where there is no such folder.
+/// The entries of a folder, sorted by name; empty if the folder does not exist.
 fn sorted_entries(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();

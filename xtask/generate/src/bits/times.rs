@@ -1,30 +1,30 @@
-//! How long processes take, in pairs.
+//! Paired process times.
 
 use std::process::Command;
 use std::time::Instant;
 
 use crate::test_scenes::succeed;
 
-/// What a process took, in seconds.
+/// The time of a process in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Times {
-    /// From its start to its end.
+    /// Wall time.
     wall: f64,
-    /// Of all its threads, in itself and in the system; NaN where the system does not say.
+    /// Processor time of all its threads, user and system; NaN if the system does not report it.
     processor: f64,
 }
 
-/// What the two commands took for the same scene.
+/// The times of the two commands for the same scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     pub(super) before: Times,
     pub(super) after: Times,
 }
 
-/// Runs a command to its end.
+/// Runs a command and waits for it.
 ///
 /// # Errors
-/// What it says on standard error, if it does not succeed.
+/// Its standard error, if it fails.
 pub(super) fn measure(command: &mut Command) -> Result<Times, String> {
     let (started, earlier) = (Instant::now(), processor_seconds_of_children());
     succeed(command)?;
@@ -32,7 +32,7 @@ pub(super) fn measure(command: &mut Command) -> Result<Times, String> {
     Ok(Times { wall: started.elapsed().as_secs_f64(), processor })
 }
 
-/// The processor time of all child processes that have ended so far.
+/// The processor time of all finished child processes.
 #[cfg(unix)]
 fn processor_seconds_of_children() -> f64 {
     use nix::sys::resource::{UsageWho, getrusage};
@@ -47,7 +47,7 @@ fn processor_seconds_of_children() -> f64 {
     f64::NAN
 }
 
-/// A table: for each kind of time, the sums, their ratio, and the median ratio of all pairs.
+/// A table with, for each kind of time, the sums, their ratio, and the median ratio of all pairs.
 pub(super) fn report(pairs: &[Pair]) -> String {
     let mut text = format!(
         "{:<10}{:>10}{:>10}{:>9}{:>15}\n",
@@ -67,7 +67,7 @@ pub(super) fn report(pairs: &[Pair]) -> String {
     text
 }
 
-/// The middle of the numbers, the upper one of two; NaN if there are none.
+/// The median, the upper of two middle values; NaN if there are no numbers.
 fn median(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers.get(numbers.len() / 2).copied().unwrap_or(f64::NAN)

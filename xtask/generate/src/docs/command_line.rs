@@ -1,16 +1,16 @@
-//! The page of the command line: what is written by hand, and what `--help` says.
+//! The command line page: a handwritten part and the output of `--help`.
 
 use std::process::Command;
 
 use crate::repository::root;
 
-/// What stands above the help of the subcommands.
+/// The text above the help of the subcommands.
 const INTRODUCTION: &str = include_str!("command_line.md");
 
 /// The subcommands, in the order of the page.
 const SUBCOMMANDS: [&str; 6] = ["render", "merge", "check", "info", "diff", "convert"];
 
-/// The text of the page. Builds the `etendue` command where that has not been done.
+/// The text of the page. Builds the `etendue` command if needed.
 pub(super) fn page() -> Result<String, String> {
     let mut text = INTRODUCTION.to_owned();
     for name in SUBCOMMANDS {
@@ -20,14 +20,14 @@ pub(super) fn page() -> Result<String, String> {
     Ok(text)
 }
 
-/// What `etendue NAME --help` prints, without spaces at the ends of lines.
+/// The output of `etendue NAME --help`, without trailing spaces.
 fn help(name: &str) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let arguments = ["run", "--quiet", "--package", "etendue-cli", "--", name, "--help"];
     let output = Command::new(cargo)
         .args(arguments)
         .current_dir(root())
-        // The lines are broken at the same places on every terminal.
+        // Fix the line width, so that it does not depend on the terminal.
         .env("COLUMNS", "100")
         .output()
         .map_err(|error| format!("cannot start cargo: {error}"))?;

@@ -1,5 +1,5 @@
-//! The page that holds the renderer against Mitsuba 3: every plugin and parameter there is, and what
-//! becomes of it here. The list of theirs is a file; what is here is asked of the code.
+//! The page that compares the renderer with Mitsuba 3: every plugin and parameter, and how it is
+//! supported here. Mitsuba's list is a file; the answers come from the code.
 
 use std::fmt::Write as _;
 
@@ -8,34 +8,34 @@ use etendue::mitsuba::{LoadOptions, read_text};
 use etendue::scene::Manual;
 use etendue::{integrators, scene};
 
-/// Where the page is.
+/// The path of the page.
 pub(super) const PATH: &str = "docs/coverage.md";
 
-/// What Mitsuba 3 has; the head of the file says how it is written.
+/// Mitsuba 3's plugins; the head of the file explains its format.
 const THEIRS: &str = include_str!("mitsuba3.txt");
 
-/// What a manual says of a parameter that changes nothing begins so.
+/// A manual's description of an ignored parameter begins like this.
 const WITHOUT_EFFECT: &str = "Accepted and without effect";
 
-/// A plugin of Mitsuba's.
+/// A plugin of Mitsuba.
 struct Theirs {
     class: &'static str,
     name: &'static str,
     parameters: Vec<&'static str>,
 }
 
-/// What becomes of a plugin here.
+/// How a plugin is supported here.
 enum Fate {
-    /// It is here, with this page.
+    /// It exists here, with this page.
     Here(&'static Manual),
-    /// A value of the parameter that it is nested as.
+    /// It becomes a value of the parameter that it is nested as.
     Value,
-    /// Another plugin takes its place, with this page.
+    /// Another plugin replaces it, with this page.
     Approximated(String, &'static Manual),
     Missing,
 }
 
-/// What becomes of a parameter.
+/// How a parameter is supported.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Share {
     Here,
@@ -43,7 +43,7 @@ enum Share {
     Missing,
 }
 
-/// Plugins or parameters by what becomes of them.
+/// Plugins or parameters, grouped by support.
 #[derive(Default)]
 struct Tally {
     all: usize,
@@ -113,11 +113,10 @@ fn fate(theirs: &Theirs) -> Fate {
     manual.map_or(Fate::Missing, |manual| Fate::Approximated(other, manual))
 }
 
-/// The name under which a scene with the plugin reaches the renderer; `None` where it has become a
-/// value.
+/// The name under which a scene with the plugin reaches the renderer; `None` if it becomes a value.
 fn upgraded(theirs: &Theirs) -> Option<String> {
     let Theirs { class, name, .. } = theirs;
-    // Spectra are told what to be; the others need no parameters to be known.
+    // Spectra need certain parameters to be recognised; the others need none.
     let inner = r#"<float name="value" value="0.5"/><rgb name="color" value="0.5"/>
         <float name="temperature" value="5000"/><string name="values" value="0.1, 0.2"/>
         <string name="wavelengths" value="400, 700"/>
@@ -153,7 +152,7 @@ impl Fate {
     }
 
     fn share(&self, parameter: &str) -> Share {
-        // What a stand-in takes means there what it meant.
+        // A parameter that the substitute also has keeps its meaning.
         let (manual, otherwise) = match self {
             Self::Here(manual) => (manual, Share::Missing),
             Self::Approximated(_, manual) => (manual, Share::WithoutEffect),

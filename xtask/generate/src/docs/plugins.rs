@@ -1,4 +1,4 @@
-//! The plugin reference, from the manual pages that stand beside the plugins' code.
+//! The plugin reference, from the manual pages in the plugins' code.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use etendue::document::Class;
 use etendue::scene::Manual;
 use etendue::{integrators, scene};
 
-/// Where the page is.
+/// The path of the page.
 pub(super) const PATH: &str = "docs/plugins.md";
 
 type Page = (Class, &'static str, &'static Manual);
@@ -38,7 +38,7 @@ pub(super) fn page() -> String {
     text
 }
 
-/// What all plugins of a class may hold besides what their pages list.
+/// What all plugins of a class may hold in addition to what their pages list.
 fn nested(class: Class) -> &'static str {
     match class {
         Class::Shape => {
@@ -64,7 +64,7 @@ fn classes(pages: &[Page]) -> Vec<Class> {
     classes
 }
 
-/// The place of a plugin's heading on the page, as GitHub makes it.
+/// The anchor of a plugin's heading on the page, as GitHub generates it.
 fn anchor(class: Class, name: &str) -> String {
     format!("{}-{name}", class.name()).to_lowercase().replace(' ', "-")
 }
@@ -87,7 +87,7 @@ fn write_plugin(text: &mut String, (class, name, manual): &Page) {
     let _ = write!(text, "\n```{language}\n{sample}\n```\n");
 }
 
-/// A bar would end the cell of a table.
+/// A bar would end the table cell.
 fn escape(text: &str) -> String {
     text.replace('|', "\\|")
 }

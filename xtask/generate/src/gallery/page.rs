@@ -26,7 +26,7 @@ pub(super) fn page() -> String {
     text
 }
 
-/// One picture alone, or a table with one column for each.
+/// A single picture, or a table with one column for each.
 fn pictures(section: &Section) -> String {
     let image = |entry: &Entry| {
         let alternative = if entry.caption.is_empty() { section.heading } else { entry.caption };

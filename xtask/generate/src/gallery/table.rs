@@ -28,7 +28,7 @@ pub(super) enum EmitterSampling {
 }
 
 impl Entry {
-    /// The scene with its default values.
+    /// A picture of the scene with its default values.
     const fn plain(name: &'static str, caption: &'static str, samples_per_pixel: u32) -> Self {
         let emitter_sampling = EmitterSampling::On;
         Self { name, caption, samples_per_pixel, defines: &[], emitter_sampling }
