@@ -150,15 +150,19 @@ fn huge() -> Vec<(&'static str, String, (Severity, Fault, usize))> {
     ]
 }
 
+/// Far above what these cases take on a busy machine. It catches time that grows with the square of the
+/// input, which would be minutes; speed is for benchmarks to measure.
+const TIME_LIMIT: Duration = Duration::from_secs(30);
+
 #[test]
-fn huge_defects_are_refused_within_a_second() {
+fn huge_defects_are_refused_soon() {
     for (name, text, expected) in huge() {
         let start = Instant::now();
         let (found, diagnostics) = findings("huge.xml", text.as_bytes());
         let seconds = start.elapsed();
         let messages: Vec<_> = diagnostics.sorted().into_iter().map(|f| f.message).collect();
         assert_eq!(found, [expected], "{name}: {messages:#?}");
-        assert!(seconds < Duration::from_secs(1), "{name} took {seconds:?}");
+        assert!(seconds < TIME_LIMIT, "{name} took {seconds:?}");
     }
 }
 
@@ -167,7 +171,7 @@ fn a_file_of_nothing_but_errors_ends_soon() {
     let text = format!("<scene version='3.0.0'>\n{}</scene>", "<x a='1' b='$c'/>".repeat(300_000));
     let start = Instant::now();
     let (found, diagnostics) = findings("errors.xml", text.as_bytes());
-    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    assert!(start.elapsed() < TIME_LIMIT, "{:?}", start.elapsed());
     assert!(found.len() >= 500 && diagnostics.has_errors());
 }
 
@@ -197,6 +201,6 @@ fn many_unknown_ids_among_many_known_ones_end_soon() {
     let text = format!("<scene version='3.0.0'>{known}{unknown}</scene>");
     let start = Instant::now();
     let (_, diagnostics) = findings("ids.xml", text.as_bytes());
-    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    assert!(start.elapsed() < TIME_LIMIT, "{:?}", start.elapsed());
     assert_eq!(diagnostics.error_count(), 20_000);
 }
