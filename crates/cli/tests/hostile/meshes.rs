@@ -132,7 +132,7 @@ fn broken_serialized_files_are_rejected() {
         ("a shape beyond the end", serialized(4, &triangle(2), 1 << 60, 1), "outside"),
         ("no shapes", serialized(4, &triangle(2), 0, 0), "has 0"),
         ("4·10⁹ shapes", serialized(4, &triangle(2), 0, u32::MAX), "list of shapes"),
-        ("2⁶⁰ vertices", serialized(4, &announcement(1 << 60, 1), 0, 1), "more than"),
+        ("2⁶⁰ vertices", serialized(4, &announcement(1 << 60, 1), 0, 1), "exceed the limit"),
         ("a zip bomb of zeros", serialized(4, &bomb, 0, 1), "cannot hold"),
         ("a zip bomb in the name", serialized(4, &name, 0, 1), "name"),
         ("an index too many", serialized(4, &triangle(7), 0, 1), "[0, 1, 7]"),

@@ -20,7 +20,7 @@ fn malformed_files_are_rejected() {
         case("<", Some(1), "name"),
         case("<scene", Some(1), "no element"),
         case("<?xml version=\"1.0\"?>\n", Some(2), "no element"),
-        case("{\"scene\": 1}", Some(1), "one element"),
+        case("{\"scene\": 1}", None, "a JSON file"),
         case("<scene>\n<!-- -->\n<!-- </scene>", Some(3), "-->"),
         case("<scene>\n<![CDATA[ </scene>", Some(2), "]]>"),
         case("<scene>\n<shape type=\"a\n</scene>", Some(3), "quote"),
