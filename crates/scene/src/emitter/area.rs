@@ -56,7 +56,7 @@ pub(crate) const CASES: Cases = Cases {
         r#"<shape type="sphere"><point name="center" x="0" y="0" z="1"/><emitter type="area"/></shape>"#,
     ],
     extreme: &[
-        r#"<shape type="sphere"><float name="radius" value="1e-20"/><emitter type="area"><rgb name="radiance" value="1e30, 0, 0"/></emitter></shape>"#,
+        r#"<shape type="sphere"><float name="radius" value="1e-12"/><emitter type="area"><rgb name="radiance" value="1e30, 0, 0"/></emitter></shape>"#,
         r#"<shape type="rectangle"><transform name="to_world"><scale x="1e-10" y="1e10"/></transform><emitter type="area"/></shape>"#,
     ],
 };
