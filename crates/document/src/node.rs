@@ -84,7 +84,7 @@ impl Node {
         }
     }
 
-    /// Sets the name by which [`reference`]s refer to the node.
+    /// Sets the name by which [`reference`](reference())s refer to the node.
     #[must_use]
     pub fn id(mut self, id: &str) -> Self {
         self.id = Some(id.into());

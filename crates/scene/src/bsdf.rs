@@ -1,7 +1,7 @@
 //! Materials, and the closures they resolve to at a hit.
 //!
 //! A [`Material`] is what the scene file describes, with its textures. At a hit,
-//! [`Materials::prepare`] reads every texture once and returns a [`Bsdf`]: pure mathematics in the
+//! [`Materials::prepare`](crate::Materials::prepare) reads every texture once and returns a [`Bsdf`]: pure mathematics in the
 //! local frame, shared by next-event estimation and path sampling.
 //!
 //! # Contract of every [`Closure`]

@@ -5,7 +5,7 @@ use etendue_math::lanes::{Mask, Real, Vector3};
 use etendue_math::{RayLanes, offset_origin_lanes};
 use etendue_spectrum::SpectrumLanes;
 
-/// Light that may arrive at points, one per lane; see [`DirectionSample`].
+/// Light that may arrive at points, one per lane; see [`DirectionSample`](crate::emitter::DirectionSample).
 #[derive(Clone, Copy, Debug)]
 pub struct LightLanes<R: Real> {
     /// The unit directions from the reference points towards the light.
