@@ -31,7 +31,7 @@ const STEPS: &[Step] = &[
     step("tests", tests),
     step("documentation", documentation),
     slow_step("generated files", generated_files),
-    slow_step("slow tests", slow_tests),
+    slow_step("reference renders", reference_renders),
     slow_step("packages", || passed(package::run(&[]))),
     step("unused dependencies", unused_dependencies),
     step("licences", licences),
@@ -104,16 +104,17 @@ fn tests() -> Outcome {
     succeeds(cargo().args(["test", "--workspace", "--quiet", "--no-fail-fast"]))
 }
 
-/// The tests marked `#[ignore]`, with the optimised command. They report what they skip because
-/// files or programs are missing.
-fn slow_tests() -> Outcome {
+/// The seed scenes and Mitsuba's own render tests, with the optimised command, where their files are at
+/// hand. The other tests marked `#[ignore]` take long or compile a copy of the workspace:
+/// `cargo test --workspace -- --ignored` runs them all.
+fn reference_renders() -> Outcome {
     if !etendue::build() {
         return Outcome::Failed;
     }
     let mut command = cargo();
-    command.args(["test", "--workspace", "--tests", "--no-fail-fast", "--", "--ignored"]);
+    command.args(["test", "-p", "etendue-cli", "--test", "references", "--no-fail-fast", "--"]);
     // One at a time, because a render uses all threads.
-    command.arg("--test-threads=1");
+    command.args(["--ignored", "--skip", "scenes_in_depth", "--test-threads=1"]);
     succeeds(command.env("ETENDUE", etendue::path()))
 }
 
