@@ -139,7 +139,7 @@ fn broken_serialized_files_are_rejected() {
         (
             "data that is not compressed",
             [&whole[..4], &noise(100), &whole[whole.len() - 12..]].concat(),
-            "damaged",
+            "corrupt",
         ),
     ];
     check_all("serialized", "m.serialized", rows);
