@@ -5,7 +5,7 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 /// A box in SIMD registers. The maximum corner is negated, so that both corners grow by a minimum.
-/// The fourth components are unspecified.
+/// The fourth components are never denormal; else they are unspecified.
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct Box4 {
@@ -19,7 +19,8 @@ impl Box4 {
 
     #[inline(always)]
     pub(super) fn of(reference: &Reference) -> Self {
-        Self { min: reference.min, negated_max: -reference.max }
+        let [min, max] = reference.corners();
+        Self { min, negated_max: -max }
     }
 
     #[inline(always)]

@@ -78,11 +78,21 @@ mod avx2 {
         unsafe { _mm256_setr_ps(0.0, 0.0, 0.0, 0.0, -0.0, -0.0, -0.0, -0.0) }
     }
 
-    /// Both corners of a reference in one register.
+    /// A reference in one register. The fourth and the eighth component are its ids.
     #[inline(always)]
-    fn corners(reference: &Reference) -> __m256 {
-        // SAFETY: see `Avx2`; a reference is eight aligned floats.
+    fn load(reference: &Reference) -> __m256 {
+        // SAFETY: see `Avx2`; a reference has the size and alignment of eight aligned floats.
         unsafe { _mm256_load_ps((&raw const *reference).cast()) }
+    }
+
+    /// Both corners of a loaded reference. The other components are zero.
+    #[inline(always)]
+    fn corners(reference: __m256) -> __m256 {
+        // SAFETY: see `Avx2`.
+        unsafe {
+            let corners = _mm256_setr_epi32(-1, -1, -1, 0, -1, -1, -1, 0);
+            _mm256_and_ps(reference, _mm256_castsi256_ps(corners))
+        }
     }
 
     /// As [`Reference::center`].
@@ -98,7 +108,7 @@ mod avx2 {
     /// Adds a reference to one bin of each axis.
     #[inline(always)]
     fn add_one(bins: &mut Bins, binning: &Binning, reference: &Reference) {
-        let corners = corners(reference);
+        let corners = corners(load(reference));
         let place = binning.place(center(corners));
         // SAFETY: see `Avx2`; boxes are eight aligned floats, and masked indices are below
         // `MAX_BINS`.
@@ -154,8 +164,8 @@ mod avx2 {
                 let mut sides = [nothing; 2];
                 for index in 0..references.len() {
                     let here = first.add(8 * index);
-                    let corners = _mm256_load_ps(here);
-                    let center = center(corners);
+                    let reference = _mm256_load_ps(here);
+                    let center = center(corners(reference));
                     let place = _mm256_castps128_ps256(plane.binning.place(center).into());
                     let place = _mm256_permutevar8x32_ps(place, axis);
                     let is_left = _mm256_cmp_ps::<_CMP_LT_OQ>(place, limit);
@@ -166,7 +176,7 @@ mod avx2 {
                     ];
                     let there = first.add(8 * left);
                     _mm256_store_ps(here, _mm256_load_ps(there));
-                    _mm256_store_ps(there, corners);
+                    _mm256_store_ps(there, reference);
                     left += _mm256_movemask_ps(is_left) as usize & 1;
                 }
                 for (into, side) in centers.iter_mut().zip(sides) {
