@@ -5,16 +5,24 @@ mod display;
 mod exr_part;
 mod exr_read;
 mod exr_write;
+mod file_colors;
+mod losses;
+mod npy;
+mod npz;
 mod options;
 mod pfm;
+mod png_chunks;
+mod zip;
 
+pub use losses::losses;
 pub use options::{BitDepth, EncodeOptions, ExrCompression, ExrPrecision};
+pub use png_chunks::texts as png_texts;
 
 use crate::format::{SourceFormat, recognize};
-use crate::{Bitmap, FileFormat, ImageError, Limits, Picture};
+use crate::{Bitmap, FileFormat, ImageError, Limits, Picture, Samples};
 
-/// Decodes a PNG, JPEG, BMP, TGA, Radiance HDR, OpenEXR, PFM or TIFF file within the default
-/// [`Limits`].
+/// Decodes a PNG, JPEG, BMP, TGA, TIFF, WebP, QOI, Radiance HDR, OpenEXR, PFM or NumPy file within
+/// the default [`Limits`].
 ///
 /// The content determines the format. `file_name_hint` is only for TGA, which may have no signature.
 /// For OpenEXR, this reads the [main layer](Picture::main_layer) of the first part over its data
@@ -39,6 +47,8 @@ pub fn decode_with_limits(
     match recognize(bytes, file_name_hint) {
         Some(SourceFormat::Exr) => exr_read::decode_bitmap(bytes, limits),
         Some(SourceFormat::Pfm) => pfm::decode(bytes, limits),
+        Some(SourceFormat::Npy) => npy::decode(bytes, limits),
+        Some(SourceFormat::Npz) => npz::decode_bitmap(bytes, limits),
         Some(SourceFormat::Common(format, name)) => common::decode(bytes, format, name, limits),
         None => Err(ImageError::UnknownFormat { name: file_name_hint.to_owned() }),
     }
@@ -62,38 +72,63 @@ pub fn decode_exr_layers_with_limits(bytes: &[u8], limits: &Limits) -> Result<Pi
     exr_read::decode_picture(bytes, limits)
 }
 
-/// Decodes any format to a [`Picture`] of linear channels: all channels of an OpenEXR file, or `R`,
-/// `G`, `B` or `Y`, and `A`, of the others.
+/// Decodes any format to a [`Picture`] of linear channels relative to the primaries of BT.709: all
+/// channels of an OpenEXR file and all arrays of a NumPy archive, or `R`, `G`, `B` or `Y`, and `A`,
+/// of the others. The colours of PNG, TIFF, TGA, BMP, WebP and QOI files keep their
+/// [straight alpha](Picture::straight_alpha).
 ///
 /// # Errors
 /// As [`decode`].
 pub fn decode_picture(bytes: &[u8], file_name_hint: &str) -> Result<Picture, ImageError> {
-    if recognize(bytes, file_name_hint) == Some(SourceFormat::Exr) {
-        return decode_exr_layers(bytes);
+    let format = recognize(bytes, file_name_hint);
+    match format {
+        Some(SourceFormat::Exr) => {
+            let mut picture = decode_exr_layers(bytes)?;
+            picture.convert_to_bt709();
+            return Ok(picture);
+        }
+        Some(SourceFormat::Npz) => return npz::decode_picture(bytes, &Limits::default()),
+        _ => {}
     }
-    let bitmap = decode(bytes, file_name_hint)?;
-    let names: &[&str] = match bitmap.channels {
-        1 => &["Y"],
-        2 => &["Y", "A"],
-        3 => &["R", "G", "B"],
-        _ => &["R", "G", "B", "A"],
-    };
-    let mut picture = Picture::new(bitmap.width, bitmap.height);
+    let mut bitmap = decode(bytes, file_name_hint)?;
+    let is_tiff = matches!(format, Some(SourceFormat::Common(image::ImageFormat::Tiff, _)));
+    if is_tiff && file_colors::tiff_has_associated_alpha(bytes) {
+        file_colors::divide_by_alpha(&mut bitmap);
+    }
     let values = bitmap.to_linear();
+    let names = channel_names(bitmap.channels);
+    let mut picture = Picture::new(bitmap.width, bitmap.height);
     for (channel, name) in names.iter().enumerate() {
         let plane = values.iter().skip(channel).step_by(names.len()).copied().collect();
         picture.push(*name, plane);
     }
+    picture.straight_alpha = bitmap.has_alpha() && matches!(format, Some(SourceFormat::Common(..)));
+    picture.source_depth = match bitmap.samples {
+        Samples::U8(_) => Some(BitDepth::Eight),
+        Samples::U16(_) => Some(BitDepth::Sixteen),
+        Samples::F16(_) | Samples::F32(_) => None,
+    };
+    picture.warnings = bitmap.warnings;
     Ok(picture)
+}
+
+/// The names of one to four interleaved channels.
+fn channel_names(count: u32) -> &'static [&'static str] {
+    match count {
+        1 => &["Y"],
+        2 => &["Y", "A"],
+        3 => &["R", "G", "B"],
+        _ => &["R", "G", "B", "A"],
+    }
 }
 
 /// Encodes a picture in a file format.
 ///
 /// OpenEXR keeps all channels and metadata. The other formats keep the
-/// [main layer](Picture::main_layer): PFM and HDR as linear values, the rest sRGB encoded after
-/// [exposure](EncodeOptions::exposure) and [tone mapping](EncodeOptions::tone_map). PNG and TIFF
-/// keep alpha. Their colours are not premultiplied, so colours are divided by alpha. NaN becomes
-/// zero in these formats.
+/// [main layer](Picture::main_layer): PFM, HDR and NumPy arrays as linear values, the rest sRGB
+/// encoded after [exposure](EncodeOptions::exposure) and [tone mapping](EncodeOptions::tone_map). PNG
+/// and TIFF keep alpha, and their colours are not premultiplied. [`losses`] tells which values a
+/// format cannot hold. PNG files keep texts and integers of the metadata.
 ///
 /// The bytes depend only on the arguments: the same picture gives the same file.
 ///
@@ -106,9 +141,16 @@ pub fn encode(
     options: &EncodeOptions,
 ) -> Result<Vec<u8>, ImageError> {
     picture.validate()?;
+    if picture.straight_alpha && !format.has_straight_alpha() {
+        let mut premultiplied = picture.clone();
+        premultiplied.premultiply();
+        return encode(&premultiplied, format, options);
+    }
     match format {
         FileFormat::Exr => exr_write::encode(picture, options),
         FileFormat::Pfm => pfm::encode(picture),
+        FileFormat::Npy => npy::encode(picture),
+        FileFormat::Npz => npz::encode(picture),
         _ => common::encode(picture, format, options),
     }
 }

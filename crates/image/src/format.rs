@@ -17,10 +17,14 @@ pub enum FileFormat {
     Bmp,
     /// TIFF: the main layer, tone mapped and sRGB encoded, 8 or 16 bits.
     Tiff,
+    /// NumPy array: the main layer, linear, as 32-bit floats of shape (height, width, channels).
+    Npy,
+    /// NumPy archive: an array as in [`Npy`](Self::Npy) for each layer, linear.
+    Npz,
 }
 
 /// Every writable format with its extensions, the most common one first.
-const EXTENSIONS: [(FileFormat, &[&str]); 7] = [
+const EXTENSIONS: [(FileFormat, &[&str]); 9] = [
     (FileFormat::Exr, &["exr"]),
     (FileFormat::Png, &["png"]),
     (FileFormat::Jpeg, &["jpg", "jpeg"]),
@@ -28,6 +32,8 @@ const EXTENSIONS: [(FileFormat, &[&str]); 7] = [
     (FileFormat::Pfm, &["pfm"]),
     (FileFormat::Bmp, &["bmp"]),
     (FileFormat::Tiff, &["tif", "tiff"]),
+    (FileFormat::Npy, &["npy"]),
+    (FileFormat::Npz, &["npz"]),
 ];
 
 impl FileFormat {
@@ -52,7 +58,17 @@ impl FileFormat {
     /// Whether files of this format hold unbounded linear values, which are exposed and tone mapped
     /// only for viewing.
     pub fn is_linear(self) -> bool {
-        matches!(self, Self::Exr | Self::Hdr | Self::Pfm)
+        matches!(self, Self::Exr | Self::Hdr | Self::Pfm | Self::Npy | Self::Npz)
+    }
+
+    /// Whether colours are stored without being multiplied by alpha.
+    pub fn has_straight_alpha(self) -> bool {
+        matches!(self, Self::Png | Self::Tiff)
+    }
+
+    /// Whether alpha is stored at all.
+    pub fn has_alpha(self) -> bool {
+        matches!(self, Self::Exr | Self::Png | Self::Tiff | Self::Npy | Self::Npz)
     }
 }
 
@@ -63,6 +79,10 @@ pub(crate) enum SourceFormat {
     Exr,
     /// Portable float map.
     Pfm,
+    /// NumPy array.
+    Npy,
+    /// NumPy archive.
+    Npz,
     /// A format that the `image` crate reads; the text is its name in messages.
     Common(image::ImageFormat, &'static str),
 }
@@ -85,6 +105,14 @@ pub(crate) fn recognize(bytes: &[u8], name: &str) -> Option<SourceFormat> {
         common(ImageFormat::Tiff, "TIFF")
     } else if starts(b"PF") || starts(b"Pf") {
         Some(SourceFormat::Pfm)
+    } else if starts(b"\x93NUMPY") {
+        Some(SourceFormat::Npy)
+    } else if starts(b"PK\x03\x04") {
+        Some(SourceFormat::Npz)
+    } else if starts(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
+        common(ImageFormat::WebP, "WebP")
+    } else if starts(b"qoif") {
+        common(ImageFormat::Qoi, "QOI")
     } else if bytes.ends_with(b"TRUEVISION-XFILE.\0") || has_tga_extension(name) {
         common(ImageFormat::Tga, "TGA")
     } else if starts(b"BM") {

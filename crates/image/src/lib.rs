@@ -36,13 +36,14 @@ mod limits;
 pub mod metrics;
 mod numeric;
 mod picture;
+mod primaries;
 pub mod srgb;
 mod tone_map;
 
 pub use bitmap::{Bitmap, Samples};
 pub use codec::{
     BitDepth, EncodeOptions, ExrCompression, ExrPrecision, decode, decode_exr_layers,
-    decode_exr_layers_with_limits, decode_picture, decode_with_limits, encode,
+    decode_exr_layers_with_limits, decode_picture, decode_with_limits, encode, losses, png_texts,
 };
 pub use color_image::ColorImage;
 pub use error::ImageError;

@@ -1,6 +1,8 @@
 //! Planar pictures with named channels and metadata: films write and comparisons read them.
 
-use crate::{ColorImage, ImageError};
+use crate::numeric::multiply;
+use crate::primaries::{BT709, to_bt709};
+use crate::{BitDepth, ColorImage, ImageError};
 
 /// A rectangle of pixels, such as OpenEXR's display window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +69,13 @@ pub struct Picture {
     pub data_origin: [i32; 2],
     /// The whole picture, of which the channels may cover a part. Only OpenEXR keeps it.
     pub display_window: Window,
+    /// Whether the colours of the main layer are not premultiplied by its alpha, as in PNG. Films
+    /// and OpenEXR files have premultiplied colours.
+    pub straight_alpha: bool,
+    /// Bits per sample of the file that was read, if its samples are integers.
+    pub source_depth: Option<BitDepth>,
+    /// What the file that was read says about its colours and is not followed, for people.
+    pub warnings: Vec<String>,
 }
 
 /// The channels that show the picture itself, as indices into [`Picture::channels`].
@@ -74,7 +83,7 @@ pub struct Picture {
 pub struct MainLayer {
     /// Red, green and blue; the same channel three times for grey.
     pub color: [usize; 3],
-    /// Alpha, if any. Colours are premultiplied by it, as in OpenEXR.
+    /// Alpha, if any. Colours are premultiplied by it unless [`Picture::straight_alpha`].
     pub alpha: Option<usize>,
     /// Whether the picture is greyscale.
     pub is_grey: bool,
@@ -90,6 +99,9 @@ impl Picture {
             metadata: Vec::new(),
             data_origin: [0, 0],
             display_window: Window { x: 0, y: 0, width, height },
+            straight_alpha: false,
+            source_depth: None,
+            warnings: Vec::new(),
         }
     }
 
@@ -123,7 +135,124 @@ impl Picture {
         find_main_layer(&self.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>())
     }
 
-    /// The main layer as linear RGB triples, without alpha.
+    /// Multiplies the colours of the main layer by its alpha, unless they are premultiplied.
+    pub fn premultiply(&mut self) {
+        if !std::mem::take(&mut self.straight_alpha) {
+            return;
+        }
+        let Some(MainLayer { mut color, alpha: Some(alpha), is_grey }) = self.main_layer() else {
+            return;
+        };
+        let alpha = self.channels[alpha].data.clone();
+        // The colours of grey pictures are one channel.
+        let distinct = if is_grey { &mut color[..1] } else { &mut color[..] };
+        for index in distinct {
+            for (value, alpha) in self.channels[*index].data.iter_mut().zip(&alpha) {
+                *value *= alpha;
+            }
+        }
+    }
+
+    /// Converts all colours, groups of channels that end in `R`, `G` and `B`, to the primaries of
+    /// BT.709, if the attribute `chromaticities` says that they have others.
+    pub(crate) fn convert_to_bt709(&mut self) {
+        let Some(&MetadataValue::Chromaticities(points)) = self.metadata("chromaticities") else {
+            return;
+        };
+        let matrix = match to_bt709(&points) {
+            Ok(None) => return,
+            Ok(Some(matrix)) => matrix,
+            Err(_) => {
+                self.warnings.push(degenerate_chromaticities(&points));
+                self.metadata.retain(|(name, _)| name != "chromaticities");
+                return;
+            }
+        };
+        let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
+        let groups = names.iter().filter_map(|name| match name.rsplit_once('.') {
+            // A variance is no colour: it would need the covariances of the channels.
+            Some((group, "R")) if group != "variance" => find_color(&names, group),
+            None if *name == "R" => find_color(&names, ""),
+            _ => None,
+        });
+        let groups: Vec<[usize; 3]> = groups.map(|group| group.color).collect();
+        for channels in groups {
+            for pixel in 0..self.channels[channels[0]].data.len() {
+                let color = channels.map(|channel| self.channels[channel].data[pixel]);
+                for (channel, value) in channels.into_iter().zip(multiply(&matrix, color)) {
+                    self.channels[channel].data[pixel] = value;
+                }
+            }
+        }
+        for (name, value) in &mut self.metadata {
+            if name == "chromaticities" {
+                *value = MetadataValue::Chromaticities(BT709);
+            }
+        }
+    }
+
+    /// The layers: groups of channels by the part of their names before the last dot, each with the
+    /// indices of its channels. The first one, without a name, is the
+    /// [main layer](Self::main_layer), if that has no name. Channels without a dot that do not belong
+    /// to it are layers of their own.
+    pub fn layers(&self) -> Vec<(&str, Vec<usize>)> {
+        let is_plain = |index: &usize| !self.channels[*index].name.contains('.');
+        let main = self.main_layer().filter(|main| is_plain(&main.color[0]));
+        let main: Vec<usize> = main.map_or_else(Vec::new, |MainLayer { color, alpha, is_grey }| {
+            let color = if is_grey { &color[..1] } else { &color[..] };
+            color.iter().copied().chain(alpha).collect()
+        });
+        let mut layers: Vec<(&str, Vec<usize>)> = Vec::new();
+        let others = self.channels.iter().enumerate().filter(|(index, _)| !main.contains(index));
+        for (index, channel) in others {
+            let name =
+                channel.name.rsplit_once('.').map_or(channel.name.as_str(), |(name, _)| name);
+            match layers.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, channels)) => channels.push(index),
+                None => layers.push((name, vec![index])),
+            }
+        }
+        for (_, channels) in &mut layers {
+            // Files sort channels by name; colours come as red, green, blue and alpha.
+            let order = |index: &usize| {
+                let letter = self.channels[*index].name.rsplit('.').next().unwrap_or_default();
+                ["R", "G", "B", "A"].iter().position(|known| *known == letter)
+            };
+            if channels.iter().all(|index| order(index).is_some()) {
+                channels.sort_by_key(order);
+            }
+        }
+        if !main.is_empty() {
+            layers.insert(0, ("", main));
+        }
+        layers
+    }
+
+    /// The picture of one layer, as its main layer: the channels become `R`, `G` and `B`, or `Y`, and
+    /// `A`. Two channels become red and green. `None` if there is no such layer.
+    pub fn layer(&self, name: &str) -> Option<Self> {
+        let (_, channels) = self.layers().into_iter().find(|(known, _)| *known == name)?;
+        let mut picture = Self {
+            channels: Vec::new(),
+            metadata: self.metadata.clone(),
+            warnings: self.warnings.clone(),
+            ..*self
+        };
+        let names: &[&str] = match channels.len() {
+            1 => &["Y"],
+            2 | 3 => &["R", "G", "B"],
+            _ => &["R", "G", "B", "A"],
+        };
+        for (index, name) in channels.iter().zip(names) {
+            picture.push(*name, self.channels[*index].data.clone());
+        }
+        if channels.len() == 2 {
+            picture.push("B", vec![0.0; self.width as usize * self.height as usize]);
+        }
+        Some(picture)
+    }
+
+    /// The main layer as linear RGB triples, premultiplied by alpha.
     ///
     /// # Errors
     /// [`ImageError::InvalidPicture`] if there is no main layer or the picture is not
@@ -133,7 +262,12 @@ impl Picture {
         let main = self.require_main_layer()?;
         let [red, green, blue] = main.color.map(|index| &self.channels[index].data);
         let color = red.iter().zip(green).zip(blue);
-        let pixels = color.map(|((&red, &green), &blue)| [red, green, blue]).collect();
+        let mut pixels: Vec<_> = color.map(|((&red, &green), &blue)| [red, green, blue]).collect();
+        if let Some(alpha) = main.alpha.filter(|_| self.straight_alpha) {
+            for (pixel, alpha) in pixels.iter_mut().zip(&self.channels[alpha].data) {
+                *pixel = pixel.map(|value| value * alpha);
+            }
+        }
         Ok(ColorImage { width: self.width, height: self.height, pixels })
     }
 
@@ -169,6 +303,13 @@ impl Picture {
             ))
         })
     }
+}
+
+/// The warning about chromaticities that span no colour space.
+pub(crate) fn degenerate_chromaticities(points: &[f32; 8]) -> String {
+    format!(
+        "the chromaticities {points:?} span no colour space; the primaries of Rec. 709 are assumed"
+    )
 }
 
 /// Returns an error for the first name that occurs twice.
@@ -249,5 +390,46 @@ mod tests {
         let pixels = vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
         let image = ColorImage { width: 1, height: 2, pixels };
         assert_eq!(Picture::from_color_image(&image).to_color_image(), Ok(image));
+    }
+
+    #[test]
+    fn layers_are_groups_and_one_of_them_can_be_taken_out() {
+        let mut picture = Picture::new(1, 1);
+        let names = ["A", "B", "G", "R", "Z", "n.X", "n.Y", "uv.U", "uv.V", "x.B", "x.G", "x.R"];
+        for (index, name) in names.into_iter().enumerate() {
+            picture.push(name, vec![index as f32]);
+        }
+        let expected: Vec<(&str, Vec<usize>)> = vec![
+            ("", vec![3, 2, 1, 0]),
+            ("Z", vec![4]),
+            ("n", vec![5, 6]),
+            ("uv", vec![7, 8]),
+            ("x", vec![11, 10, 9]),
+        ];
+        assert_eq!(picture.layers(), expected);
+        let values = |name: &str| {
+            let layer = picture.layer(name)?;
+            let pairs = layer.channels.iter().map(|c| (c.name.clone(), c.data[0]));
+            Some(pairs.collect::<Vec<_>>())
+        };
+        let pair = |name: &str, value| (name.to_owned(), value);
+        assert_eq!(values("Z"), Some(vec![pair("Y", 4.0)]));
+        assert_eq!(values("uv"), Some(vec![pair("R", 7.0), pair("G", 8.0), pair("B", 0.0)]));
+        assert_eq!(values("x"), Some(vec![pair("R", 11.0), pair("G", 10.0), pair("B", 9.0)]));
+        assert_eq!(values("nothing"), None);
+    }
+
+    #[test]
+    fn straight_colours_are_multiplied_by_alpha_once() {
+        let mut picture = Picture::new(1, 1);
+        for (name, value) in [("R", 0.5), ("G", 1.0), ("B", 0.0), ("A", 0.5)] {
+            picture.push(name, vec![value]);
+        }
+        picture.straight_alpha = true;
+        assert_eq!(picture.to_color_image().unwrap().pixels, [[0.25, 0.5, 0.0]]);
+        picture.premultiply();
+        picture.premultiply();
+        assert_eq!(picture.to_color_image().unwrap().pixels, [[0.25, 0.5, 0.0]]);
+        assert_eq!(picture.channels[3].data, [0.5]);
     }
 }

@@ -1,6 +1,9 @@
 //! OpenEXR files with features that our writer lacks: tiles, levels, parts, compressions, types.
 
-use etendue_image::{Samples, decode, decode_exr_layers};
+use etendue_image::{
+    EncodeOptions, FileFormat, MetadataValue, Picture, Samples, decode, decode_exr_layers,
+    decode_picture, encode,
+};
 use exr::prelude as exrs;
 use exr::prelude::{Blocks, Compression, Vec2, WritableImage};
 
@@ -123,4 +126,80 @@ fn the_full_resolution_level_is_read() {
     let list = exrs::AnyChannels::sort(levels.collect());
     let part = exrs::Layer::new(SIZE, part.attributes, part.encoding, list);
     check(&file(&exrs::Image::from_layer(part)), "mip map");
+}
+
+/// A file of one colour with these primaries and white.
+fn with_chromaticities(points: [f32; 8]) -> Vec<u8> {
+    let mut picture = Picture::new(1, 1);
+    for (name, value) in [("R", 1.0), ("G", 0.5), ("B", 0.25), ("albedo.R", 1.0)] {
+        picture.push(name, vec![value]);
+    }
+    for (name, value) in [("albedo.G", 0.5), ("albedo.B", 0.25), ("variance.R", 1.0)] {
+        picture.push(name, vec![value]);
+    }
+    for name in ["variance.G", "variance.B", "A", "normal.X"] {
+        picture.push(name, vec![1.0]);
+    }
+    let chromaticities = MetadataValue::Chromaticities(points);
+    picture.metadata.push(("chromaticities".into(), chromaticities));
+    encode(&picture, FileFormat::Exr, &EncodeOptions::default()).unwrap()
+}
+
+fn values(picture: &Picture, names: [&str; 3]) -> [f32; 3] {
+    names.map(|name| picture.channel(name).unwrap().data[0])
+}
+
+#[test]
+fn colours_of_other_primaries_become_those_of_bt709() {
+    // Computed with the matrices of SMPTE RP 177 in double precision.
+    let cases = [
+        ("BT.2020", [0.708, 0.292, 0.17, 0.797, 0.131, 0.046, 0.3127, 0.329], BT2020),
+        ("Display P3", [0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.3127, 0.329], DISPLAY_P3),
+        ("ACES AP0", [0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767], AP0),
+    ];
+    for (name, points, expected) in cases {
+        let bytes = with_chromaticities(points);
+        let picture = decode_picture(&bytes, "").unwrap();
+        assert!(picture.warnings.is_empty(), "{name}");
+        let bitmap = decode(&bytes, "").unwrap();
+        let color = bitmap.to_color_image().pixels[0];
+        let albedo = values(&picture, ["albedo.R", "albedo.G", "albedo.B"]);
+        for found in [color, values(&picture, ["R", "G", "B"]), albedo] {
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-4, "{name}: {found} {expected}");
+            }
+        }
+        // Variances and other layers are no colours; nor is raw data.
+        assert_eq!(values(&picture, ["variance.R", "A", "normal.X"]), [1.0; 3]);
+        assert_eq!(bitmap.to_raw(), [1.0, 0.5, 0.25, 1.0]);
+        let written = encode(&picture, FileFormat::Exr, &EncodeOptions::default()).unwrap();
+        assert_eq!(decode_picture(&written, "").unwrap(), picture, "{name}");
+    }
+}
+
+const BT2020: [f32; 3] = [1.348_458, 0.439_812, 0.211_242];
+const DISPLAY_P3: [f32; 3] = [1.112_470, 0.478_972, 0.215_613];
+const AP0: [f32; 3] = [1.900_697, 0.381_651, 0.178_819];
+
+#[test]
+fn bt709_stays_the_same_to_the_bit_and_degenerate_primaries_are_said() {
+    let plain = [1.0, 0.5, 0.25];
+    let picture = decode_picture(
+        &with_chromaticities([0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.329]),
+        "",
+    );
+    let picture = picture.unwrap();
+    assert_eq!(values(&picture, ["R", "G", "B"]), plain);
+    assert!(picture.warnings.is_empty());
+    for points in [[0.0; 8], [0.3; 8], [f32::NAN; 8]] {
+        let bytes = with_chromaticities(points);
+        let picture = decode_picture(&bytes, "").unwrap();
+        assert_eq!(values(&picture, ["R", "G", "B"]), plain);
+        let bitmap = decode(&bytes, "").unwrap();
+        assert_eq!(bitmap.to_linear(), [1.0, 0.5, 0.25, 1.0]);
+        for warnings in [picture.warnings, bitmap.warnings] {
+            assert_eq!(warnings.len(), 1);
+            assert!(warnings[0].contains("span no colour space"), "{warnings:?}");
+        }
+    }
 }

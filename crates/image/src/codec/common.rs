@@ -1,4 +1,4 @@
-//! The formats that the `image` crate reads and writes: PNG, JPEG, BMP, TGA, HDR and TIFF.
+//! The formats of the `image` crate: PNG, JPEG, BMP, HDR and TIFF, and to read TGA, WebP and QOI.
 
 use std::io::Cursor;
 
@@ -10,6 +10,10 @@ use image::codecs::tiff::TiffEncoder;
 use image::{DynamicImage, ImageDecoder, ImageReader};
 
 use super::display::{AlphaMode, display_image};
+use super::file_colors::{FileColors, png_colors};
+use super::losses::{GREATEST_HDR, LEAST_HDR};
+use super::png_chunks;
+use crate::numeric::clamp_number;
 use crate::{Bitmap, EncodeOptions, FileFormat, ImageError, Limits, Picture, Samples};
 
 /// The maximum expansion of any format: deflate reaches a factor of 1032, and a palette of one bit
@@ -30,27 +34,33 @@ pub(super) fn decode(
         let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
         return context.read(decoder.map_err(|error| read_error(name, error))?);
     }
+    let mut colors = FileColors::default();
     if format == image::ImageFormat::Png {
         check_palette(bytes)?;
+        colors = png_colors(bytes);
+    } else if format == image::ImageFormat::Qoi && bytes.get(QOI_COLOR_SPACE) == Some(&1) {
+        colors.is_linear = true;
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(decoder_limits(limits));
-    context.read(reader.into_decoder().map_err(|error| read_error(name, error))?)
+    let mut decoder = reader.into_decoder().map_err(|error| read_error(name, error))?;
+    if let Ok(Some(profile)) = decoder.icc_profile() {
+        colors.read_profile(&profile);
+    }
+    let mut bitmap = context.read(decoder)?;
+    colors.apply(&mut bitmap);
+    Ok(bitmap)
 }
+
+/// The place of the byte that says whether a QOI file is linear.
+const QOI_COLOR_SPACE: usize = 13;
 
 /// Rejects a PNG file whose palette contains a partial colour: the decoder would read past its end
 /// (found by fuzzing, in version 0.18.1 of `png`).
 fn check_palette(bytes: &[u8]) -> Result<(), ImageError> {
-    /// The length of the signature before the first chunk.
-    const SIGNATURE: usize = 8;
-    let mut rest = bytes.get(SIGNATURE..).unwrap_or(&[]);
-    // A chunk consists of the length of its data, its type, the data, and a checksum.
-    while let Some((&[a, b, c, d, ref kind @ ..], after)) = rest.split_first_chunk::<8>() {
-        let length = u32::from_be_bytes([a, b, c, d]) as usize;
-        if kind == b"PLTE" && !length.is_multiple_of(3) {
-            return Err(ImageError::malformed("PNG", "the palette ends with a partial colour"));
-        }
-        rest = after.get(length.saturating_add(4)..).unwrap_or(&[]);
+    let is_partial = |(kind, length, _)| kind == *b"PLTE" && !usize::is_multiple_of(length, 3);
+    if png_chunks::chunks(bytes).any(is_partial) {
+        return Err(ImageError::malformed("PNG", "the palette ends with a partial colour"));
     }
     Ok(())
 }
@@ -117,12 +127,12 @@ pub(super) fn encode(
             display(AlphaMode::Dropped)?.write_with_encoder(BmpEncoder::new(&mut target))
         }
         FileFormat::Hdr => linear_image(picture)?.write_with_encoder(HdrEncoder::new(target)),
-        FileFormat::Exr | FileFormat::Pfm => {
+        FileFormat::Exr | FileFormat::Pfm | FileFormat::Npy | FileFormat::Npz => {
             return Err(ImageError::invalid_picture("this format has a separate encoder"));
         }
     };
     result.map_err(|error| ImageError::invalid_picture(error.to_string()))?;
-    Ok(bytes)
+    Ok(if format == FileFormat::Png { png_chunks::annotate(bytes, picture) } else { bytes })
 }
 
 /// Converts our limits to those of the decoders.
@@ -159,12 +169,18 @@ fn into_bitmap(image: DynamicImage) -> Option<Bitmap> {
         _ => return None,
     };
     let srgb = matches!(samples, Samples::U8(_) | Samples::U16(_));
-    Some(Bitmap { width, height, channels, samples, srgb })
+    Some(Bitmap { width, height, channels, samples, srgb, ..Bitmap::default() })
 }
 
-/// The main layer as linear RGB.
+/// The main layer as linear RGB, within what Radiance HDR can hold: the encoder does not check.
 fn linear_image(picture: &Picture) -> Result<DynamicImage, ImageError> {
-    let color = picture.to_color_image()?;
+    let mut color = picture.to_color_image()?;
+    for pixel in &mut color.pixels {
+        *pixel = pixel.map(|value| clamp_number(value, 0.0, GREATEST_HDR));
+        if pixel.iter().all(|value| *value < LEAST_HDR) {
+            *pixel = [0.0; 3];
+        }
+    }
     let values = color.pixels.into_flattened();
     let buffer = image::Rgb32FImage::from_raw(picture.width, picture.height, values);
     let buffer = buffer.ok_or_else(|| ImageError::invalid_picture("it has too few pixels"))?;

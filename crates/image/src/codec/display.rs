@@ -14,7 +14,7 @@ const PARALLEL_PIXELS: usize = 1 << 17;
 /// The treatment of alpha.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AlphaMode {
-    /// Alpha is kept, and colours are divided by it.
+    /// Alpha is kept, and premultiplied colours are divided by it.
     Straight,
     /// Alpha is dropped. Colours stay premultiplied, which shows them over black.
     Dropped,
@@ -113,7 +113,8 @@ impl Source<'_> {
         let pixels = target.chunks_exact_mut(self.samples_per_pixel());
         for (index, pixel) in pixels.enumerate() {
             let coverage = alpha.map_or(1.0, |alpha| alpha[index]);
-            let divided = if coverage > 0.0 { self.scale / coverage } else { self.scale };
+            let is_divided = coverage > 0.0 && !self.picture.straight_alpha;
+            let divided = if is_divided { self.scale / coverage } else { self.scale };
             let linear = tone_map.apply(color.map(|channel| channel[index] * divided));
             let color_count = if self.main.is_grey { 1 } else { 3 };
             for (sample, &value) in pixel.iter_mut().zip(&linear[..color_count]) {

@@ -1,14 +1,15 @@
 //! Decodes OpenEXR files to bitmaps and pictures.
 
 use exr::image::FlatSamples;
-use exr::meta::attribute::{AttributeValue, Text};
+use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 use super::exr_part::{FORMAT, read_part};
 use super::exr_write::STRUCTURAL;
-use crate::picture::find_main_layer;
+use crate::picture::{degenerate_chromaticities, find_main_layer};
+use crate::primaries::to_bt709;
 use crate::{Bitmap, Channel, ImageError, Limits, MainLayer, MetadataValue, Picture};
 use crate::{Samples, Window};
 
@@ -23,12 +24,23 @@ pub(super) fn decode_bitmap(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Ima
     })?;
     let indices = channel_indices(&main);
     let selected: Vec<&FlatSamples> = indices.iter().map(|&index| &part.channels[index]).collect();
+    let mut warnings = Vec::new();
+    let chromaticities = part.header.shared_attributes.chromaticities;
+    let points = chromaticities.as_ref().map(points).filter(|_| !main.is_grey);
+    let to_bt709 = points.and_then(|points| {
+        to_bt709(&points).unwrap_or_else(|_| {
+            warnings.push(degenerate_chromaticities(&points));
+            None
+        })
+    });
     Ok(Bitmap {
         width: dimension(part.header.layer_size.width())?,
         height: dimension(part.header.layer_size.height())?,
         channels: indices.len() as u32,
         samples: interleave(&selected),
         srgb: false,
+        to_bt709,
+        warnings,
     })
 }
 
@@ -124,13 +136,15 @@ fn metadata_value(value: &AttributeValue) -> Option<MetadataValue> {
         AttributeValue::FloatVec3((x, y, z)) => MetadataValue::Vector3([*x, *y, *z]),
         AttributeValue::Matrix3x3(value) => MetadataValue::Matrix3(*value),
         AttributeValue::Matrix4x4(value) => MetadataValue::Matrix4(*value),
-        AttributeValue::Chromaticities(value) => {
-            let (red, green, blue, white) = (value.red, value.green, value.blue, value.white);
-            let points = [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1];
-            MetadataValue::Chromaticities(points)
-        }
+        AttributeValue::Chromaticities(value) => MetadataValue::Chromaticities(points(value)),
         _ => return None,
     })
+}
+
+/// x and y of red, green, blue and white.
+fn points(value: &Chromaticities) -> [f32; 8] {
+    let (red, green, blue, white) = (value.red, value.green, value.blue, value.white);
+    [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1]
 }
 
 fn text(text: &Text) -> String {

@@ -10,6 +10,7 @@ use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
 
 use super::options::{EncodeOptions, ExrCompression, ExrPrecision};
+use crate::primaries::BT709;
 use crate::{ImageError, MetadataValue, Picture};
 
 /// Files with fewer bytes of samples are compressed on one thread.
@@ -22,9 +23,6 @@ const DEFLATE_LEVEL: u32 = 2;
 
 /// The maximum length of names in bytes; names above 31 bytes need a flag in the version field.
 const MAX_NAME_LENGTH: usize = 255;
-
-/// x and y of red, green, blue and white of ITU-R BT.709.
-const BT709: [f32; 8] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
 
 /// Attributes that describe the file itself. The writer sets them; metadata must not.
 pub(super) const STRUCTURAL: [&str; 14] = [

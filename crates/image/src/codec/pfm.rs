@@ -42,7 +42,7 @@ pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError
     let row_bytes = width as usize * channels as usize * 4;
     let rows = body.chunks_exact(row_bytes).rev();
     let samples = rows.flat_map(|row| row.as_chunks().0).map(convert).collect();
-    Ok(Bitmap { width, height, channels, samples: Samples::F32(samples), srgb: false })
+    Ok(Bitmap { width, height, channels, samples: Samples::F32(samples), ..Bitmap::default() })
 }
 
 /// Encodes the main layer: little endian, grey or RGB, without alpha.

@@ -125,7 +125,7 @@ mod tests {
             height: 4,
             channels: 1,
             samples: Samples::F32(samples),
-            srgb: false,
+            ..Bitmap::default()
         };
         let options = BitmapOptions { raw: true, ..BitmapOptions::default() };
         Texture::Bitmap(BitmapTexture::new(bitmap, &options).expect("a picture with texels"))

@@ -97,6 +97,10 @@ fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Pano
     } else {
         read_file(assets, parameters)?
     };
+    let source = if in_memory { "data" } else { "filename" };
+    for warning in &bitmap.warnings {
+        parameters.warning(Fault::Unsupported, source, format!("{name}: {warning}"));
+    }
     let image = bitmap.to_color_image();
     let size = [image.width as usize, image.height as usize];
     let texels = image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
@@ -108,7 +112,6 @@ fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Pano
     if picture.is_none() {
         let message =
             format!("{name}: the picture must hold finite values of zero or more, and some light");
-        let source = if in_memory { "data" } else { "filename" };
         parameters.error(Fault::BadValue, source, message);
     }
     picture

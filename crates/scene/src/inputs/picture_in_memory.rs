@@ -44,5 +44,5 @@ fn bitmap(buffer: &Buffer) -> Result<Bitmap, String> {
         }
     };
     let srgb = matches!(samples, Samples::U8(_) | Samples::U16(_));
-    Ok(Bitmap { width, height, channels: channels as u32, samples, srgb })
+    Ok(Bitmap { width, height, channels: channels as u32, samples, srgb, ..Bitmap::default() })
 }

@@ -17,6 +17,8 @@ pub(crate) struct Texels {
     narrow_codes: &'static [f32; 256],
     /// The decoded value of each 16-bit code; empty for other formats.
     wide_codes: Vec<f32>,
+    /// What the file says about its colours and is not followed; nothing for raw data.
+    warnings: Vec<String>,
     /// See [`Texels::mean`]; computed on demand because it is rarely needed.
     mean: OnceLock<Spectrum>,
 }
@@ -58,9 +60,11 @@ static FRACTIONS: [f32; 256] = {
 };
 
 impl Texels {
-    /// Takes the colours of a picture without alpha, or one channel. Samples are not decoded if
-    /// `raw`. Returns `None` if the channel is missing or the picture has no texels.
+    /// Takes the colours of a picture without alpha, or one channel. Samples are neither decoded nor
+    /// converted to the primaries of BT.709 if `raw`. Returns `None` if the channel is missing or the picture has no texels.
     pub(crate) fn new(bitmap: Bitmap, channel: Option<Channel>, raw: bool) -> Option<Self> {
+        let mut bitmap = if raw { bitmap } else { bitmap.into_bt709() };
+        let warnings = if raw { Vec::new() } else { std::mem::take(&mut bitmap.warnings) };
         let stride = bitmap.channels as usize;
         let is_color = stride >= 3;
         let kept = match channel {
@@ -87,6 +91,7 @@ impl Texels {
             samples: keep_channels(bitmap.samples, stride, kept),
             narrow_codes: if encoded { linear_of_srgb_u8() } else { &FRACTIONS },
             wide_codes,
+            warnings,
             mean: OnceLock::new(),
         })
     }
@@ -94,6 +99,11 @@ impl Texels {
     /// Whether the file holds floating-point numbers, which may not be finite.
     pub(crate) fn are_floats(&self) -> bool {
         matches!(self.samples, Samples::F16(_) | Samples::F32(_))
+    }
+
+    /// What the file says about its colours and is not followed.
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Whether there is only one channel.

@@ -17,9 +17,10 @@ use std::sync::Arc;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
-    summary: "A picture from a file: PNG, JPEG, BMP, TGA, TIFF, Radiance HDR, OpenEXR or PFM. \
-              Files with 8 or 16 bits are taken to be sRGB encoded unless `raw`; alpha is left \
-              out; grey pictures give grey colours.",
+    summary: "A picture from a file: PNG, JPEG, BMP, TGA, TIFF, WebP, QOI, Radiance HDR, OpenEXR, \
+              PFM or NumPy. Files with 8 or 16 bits are taken to be sRGB encoded unless `raw`; \
+              colours of other primaries, as OpenEXR and PNG files may declare, become those of \
+              Rec. 709 unless `raw`; alpha is left out; grey pictures give grey colours.",
     parameters: &[
         parameter("filename", "string", "", "The file; required unless there is `data`."),
         parameter(
@@ -46,8 +47,8 @@ pub const MANUAL: Manual = Manual {
             "raw",
             "boolean",
             "false",
-            "Take the numbers as they are, without sRGB decoding: for normals, roughness and the \
-             like.",
+            "Take the numbers as they are, without sRGB decoding and in their own primaries: for \
+             normals, roughness and the like.",
         ),
         parameter("to_uv", "transform", "", "Applied to texture coordinates; a scale repeats."),
         parameter(
@@ -139,6 +140,10 @@ pub fn load<'a>(assets: &Assets<'_>, all: &[Parameters<'a>]) -> Vec<Option<Bitma
             parameters.error(Fault::BadValue, "channel", message);
             return None;
         };
+        for warning in texels.warnings() {
+            let message = format!("{}: {warning}", path.display());
+            parameters.warning(Fault::Unsupported, "filename", message);
+        }
         // NaN or infinity propagates into the sum.
         if texels.are_floats() && !texels.mean().is_finite() {
             let message = format!("{} holds values that are not finite", path.display());

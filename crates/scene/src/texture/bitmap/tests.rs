@@ -16,7 +16,7 @@ fn numbers(text: &str) -> Vec<f32> {
 fn recorded_bitmap() -> Bitmap {
     let line = MITSUBA.lines().find_map(|line| line.strip_prefix("texels ")).expect("texels");
     let samples = Samples::U16(line.split(' ').map(|code| code.parse().expect("a code")).collect());
-    Bitmap { width: 5, height: 3, channels: 3, samples, srgb: true }
+    Bitmap { width: 5, height: 3, channels: 3, samples, srgb: true, ..Bitmap::default() }
 }
 
 #[test]
@@ -89,7 +89,9 @@ fn gradients_are_the_slopes_of_the_values() {
 /// A texture with a single texel.
 fn single(samples: Samples, channels: u32, options: &BitmapOptions) -> Option<BitmapTexture> {
     let srgb = matches!(samples, Samples::U8(_) | Samples::U16(_));
-    BitmapTexture::new(Bitmap { width: 1, height: 1, channels, samples, srgb }, options)
+    let (width, height) = (1, 1);
+    let bitmap = Bitmap { width, height, channels, samples, srgb, ..Bitmap::default() };
+    BitmapTexture::new(bitmap, options)
 }
 
 #[test]
@@ -144,7 +146,9 @@ fn the_mean_of_codes_is_that_of_their_values() {
         let narrow = Samples::U8(codes.clone().map(|code| code as u8).collect());
         let wide = Samples::U16(codes.map(|code| code as u16 * 257).collect());
         for samples in [narrow, wide] {
-            let bitmap = Bitmap { width: 3, height: 2, channels, samples, srgb: true };
+            let (width, height) = (3, 2);
+            let bitmap =
+                Bitmap { width, height, channels, samples, srgb: true, ..Bitmap::default() };
             let texture = BitmapTexture::new(bitmap, &options).expect("a sound picture");
             let centre =
                 |index: u8| Vec2::new(f32::from(index % 3) + 0.5, f32::from(index / 3) + 0.5);
@@ -160,7 +164,7 @@ fn the_mean_of_codes_is_that_of_their_values() {
 #[test]
 fn the_mean_and_the_texels_are_those_of_the_picture() {
     let samples = Samples::F32(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-    let bitmap = Bitmap { width: 3, height: 2, channels: 1, samples, srgb: false };
+    let bitmap = Bitmap { width: 3, height: 2, channels: 1, samples, ..Bitmap::default() };
     let texture = BitmapTexture::new(bitmap, &BitmapOptions::default()).expect("a sound picture");
     assert_eq!(texture.mean().rgb(), [3.5; 3]);
     assert_eq!(texture.resolution(), [3, 2]);
