@@ -2,13 +2,13 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::commands::{check, convert, diff, info, merge, render};
+use crate::commands::{check, completions, convert, diff, info, merge, render};
 
 /// The text at the end of every `--help`.
 const AFTER_HELP: &str = "\
 Exit codes:
   0    success
-  1    rendering or writing failed
+  1    rendering or writing failed, or `diff --fail-above` found too great a difference
   2    invalid arguments or input
   130  stopped by Ctrl-C; finished work was saved
   143  stopped by SIGTERM; finished work was saved";
@@ -42,6 +42,12 @@ pub(crate) enum Command {
     /// Convert a picture to another format.
     #[command(after_help = AFTER_HELP)]
     Convert(convert::Arguments),
+    /// Print completions for a shell.
+    #[command(after_help = AFTER_HELP)]
+    Completions(completions::Arguments),
+    /// Print the manual page.
+    #[command(after_help = AFTER_HELP)]
+    Man,
 }
 
 #[cfg(test)]

@@ -10,9 +10,11 @@ mod checkpoint_writer;
 mod color;
 mod commands;
 mod diagnostics;
+mod display;
 mod failure;
 mod listing;
 mod memory;
+mod origin;
 mod output;
 mod outputs;
 mod parsers;
@@ -55,5 +57,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Info(arguments) => commands::info::run(arguments),
         Command::Diff(arguments) => commands::diff::run(arguments),
         Command::Convert(arguments) => commands::convert::run(arguments),
+        Command::Completions(arguments) => commands::completions::run(arguments),
+        Command::Man => commands::completions::manual(),
     }
 }

@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use etendue::image::losses;
 use etendue::{FilmRecord, FilmSums, Rendering, SumsFile};
 use rayon::prelude::*;
 
 use crate::failure::{Failure, Status};
+use crate::origin::{self, Origin};
 use crate::output::{self, Target};
 use crate::terminal;
 
@@ -31,11 +33,11 @@ pub(crate) enum Product {
 impl Outputs {
     /// Checks that files of these names can be written.
     pub(crate) fn new(paths: &[PathBuf], product: Product) -> Result<Self, Failure> {
+        output::check_distinct(paths.iter().map(PathBuf::as_path))?;
         let mut outputs = Self::default();
         for path in paths {
             if is_part(path) {
-                output::probe(path)?;
-                outputs.parts.push(SumsFile::new(path));
+                outputs.parts.push(SumsFile::new(output::probe(path)?));
             } else if product == Product::Parts {
                 let path = path.display();
                 return Err(Failure::bad_input(format!(
@@ -71,9 +73,39 @@ impl Outputs {
         !unfinished && self.paths().all(Path::is_file)
     }
 
+    /// Refuses to replace files that are not of this scene, as their names were not chosen by the user.
+    pub(crate) fn check_origins(&self, scene_name: &str) -> Result<(), Failure> {
+        for path in self.paths().filter(|path| path.is_file()) {
+            let whose = match origin::read(path) {
+                Origin::Scene { name, .. } if name == scene_name => continue,
+                Origin::Scene { name, .. } if name.is_empty() => "is of another scene".to_owned(),
+                Origin::Scene { name, .. } => format!("is of another scene, {name}"),
+                Origin::Foreign => "was not written by Etendue".to_owned(),
+            };
+            return Err(Failure::bad_input(format!(
+                "{} exists and {whose}: choose a name with --output, or replace it with --overwrite",
+                path.display()
+            )));
+        }
+        Ok(())
+    }
+
+    /// Whether none of the files says that it is of another scene than the one with this hash.
+    pub(crate) fn may_be_of(&self, hash: &str) -> bool {
+        self.paths().all(|path| match origin::read(path) {
+            Origin::Scene { hash: other, .. } => other == hash,
+            Origin::Foreign => true,
+        })
+    }
+
     /// Writes the pictures in parallel, and prints an error for each that cannot be written.
     pub(crate) fn write_pictures(&self, rendering: &Rendering) -> Status {
-        let write_one = |target: &Target| status_of(target.write(rendering.encode(target.format)));
+        let write_one = |target: &Target| {
+            for loss in losses(&rendering.picture, target.format, &rendering.encoding) {
+                terminal::warning(&format!("{}: {loss}", target.path.display()));
+            }
+            status_of(target.write(rendering.encode(target.format)))
+        };
         self.pictures.par_iter().map(write_one).max().unwrap_or(Status::Success)
     }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use etendue::image::FileFormat;
 use etendue::{Region, SampleChoice, SampleId};
 
 /// `WIDTHxHEIGHT` in pixels.
@@ -22,6 +23,29 @@ pub(crate) fn crop(text: &str) -> Result<Region, String> {
         Some(&[x, y, width, height]) => Ok(Region { x, y, width, height }),
         _ => Err("expected X,Y,WIDTH,HEIGHT, such as 100,50,64,64".into()),
     }
+}
+
+/// A finite number of stops.
+pub(crate) fn exposure(text: &str) -> Result<f32, String> {
+    let stops = text.parse().ok().filter(|stops: &f32| stops.is_finite());
+    stops.ok_or_else(|| "the exposure is not a finite number".to_owned())
+}
+
+/// A number of zero or more.
+pub(crate) fn limit(text: &str) -> Result<f64, String> {
+    let limit = text.parse().ok().filter(|limit: &f64| *limit >= 0.0);
+    limit.ok_or_else(|| "expected a number of zero or more".to_owned())
+}
+
+/// The name of a file format: one of its extensions.
+pub(crate) fn format(text: &str) -> Result<FileFormat, String> {
+    FileFormat::from_extension(text).ok_or_else(|| format!("the formats are {}", format_names()))
+}
+
+/// The first extension of every format that is written.
+pub(crate) fn format_names() -> String {
+    let names: Vec<_> = FileFormat::all().filter_map(|f| f.extensions().first().copied()).collect();
+    names.join(", ")
 }
 
 /// `NAME=VALUE`.

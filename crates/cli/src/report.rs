@@ -28,6 +28,18 @@ pub(crate) fn written(rendering: &Rendering, outputs: &Outputs) {
     ));
 }
 
+/// Warns about values that files cannot hold.
+pub(crate) fn clamped(rendering: &Rendering) {
+    if rendering.clamped_values > 0 {
+        let values = text::counted(rendering.clamped_values, "value");
+        terminal::warning(&format!(
+            "{values} beyond single precision, such as variances of radiance above 1e19: written as \
+             {:e}",
+            f32::MAX
+        ));
+    }
+}
+
 /// Prints how long each stage took.
 pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration) {
     let milliseconds = |duration: Duration| format!("{:.1} ms", duration.as_secs_f64() * 1e3);

@@ -1,6 +1,8 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
-use etendue_integrators::{CameraRay, Integrator, Radiance, Splat, SplatTarget, Start};
+use etendue_integrators::{
+    CameraRay, ChannelKind, Integrator, Radiance, Splat, SplatTarget, Start,
+};
 use etendue_math::with_lanes;
 use etendue_sampling::{Sampler, SamplerSpec, draw_points};
 use etendue_scene::{Scene, SensorSetup};
@@ -98,6 +100,10 @@ impl SampleSource for Camera {
         self.integrator.channels()
     }
 
+    fn channel_kinds(&self) -> Vec<ChannelKind> {
+        self.integrator.channel_kinds()
+    }
+
     fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
         channels.fill(0.0);
         let (mut rays, responses) = self.start(ids);
@@ -156,11 +162,11 @@ impl Camera {
         let mut points = Vec::with_capacity(ids.len());
         with_lanes!(level, simd => draw_points(simd, &mut samplers, &mut points));
         let filter = &self.setup.film.filter;
-        let mut filter_weights = Vec::with_capacity(ids.len());
+        let mut filtered = Vec::with_capacity(ids.len());
         for (id, point) in ids.iter().zip(&mut points) {
             let (offset, weight) = filter.sample(*point);
             *point = (UVec2::new(id.x, id.y).as_vec2() + 0.5 + offset) * self.pixel_size;
-            filter_weights.push(weight);
+            filtered.push((weight, offset.length_squared()));
         }
         let film_positions = points;
         let apertures = self.draw_apertures(&mut samplers);
@@ -178,8 +184,12 @@ impl Camera {
             .collect();
         let responses = sensor_rays
             .iter()
-            .zip(filter_weights)
-            .map(|(sensor, filter)| Response { sensor: sensor.weight, filter })
+            .zip(filtered)
+            .map(|(sensor, (filter, squared_distance))| Response {
+                sensor: sensor.weight,
+                filter,
+                squared_distance,
+            })
             .collect();
         (rays, responses)
     }
@@ -207,12 +217,19 @@ pub(crate) struct Response {
     sensor: f32,
     /// The reconstruction filter's weight.
     filter: f32,
+    /// From the pixel's centre, in pixels.
+    squared_distance: f32,
 }
 
 impl Response {
     #[inline]
     fn to(&self, radiance: &Radiance) -> Sample {
         let color = radiance.color * self.sensor;
-        Sample { color, alpha: radiance.alpha, weight: self.filter }
+        Sample {
+            color,
+            alpha: radiance.alpha,
+            weight: self.filter,
+            squared_distance: self.squared_distance,
+        }
     }
 }

@@ -1,12 +1,14 @@
 //! The sums of all pixels, and the picture they make.
 
-use std::sync::{Mutex, MutexGuard, PoisonError, RwLockReadGuard};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLockReadGuard};
 
 use etendue_image::Picture;
+use etendue_integrators::ChannelKind;
 
 use crate::error::EngineError;
 use crate::exact_sums::ExactSums;
 use crate::job::Job;
+use crate::nearest::Nearest;
 use crate::region::Region;
 use crate::source::SampleSource;
 use crate::splats::Splats;
@@ -22,6 +24,7 @@ use crate::tile::{COLOR_CHANNELS, Tile, TileKind};
 pub struct FilmSums {
     region: Region,
     channel_names: Vec<String>,
+    channel_kinds: Arc<[ChannelKind]>,
     kind: TileKind,
     tile_side: u32,
     tiles: Vec<Mutex<Tile>>,
@@ -34,6 +37,8 @@ pub(crate) struct FilmLayout {
     pub(crate) region: Region,
     /// The names of the channels beside colour and alpha.
     pub(crate) channel_names: Vec<String>,
+    /// One for each name.
+    pub(crate) channel_kinds: Vec<ChannelKind>,
     pub(crate) kind: TileKind,
     pub(crate) tile_side: u32,
 }
@@ -74,6 +79,7 @@ impl FilmSums {
         let layout = FilmLayout {
             region: job.region,
             channel_names: source.channels().to_vec(),
+            channel_kinds: source.channel_kinds(),
             kind: kind(job, source),
             tile_side: job.region.tile_side(thread_count),
         };
@@ -82,7 +88,7 @@ impl FilmSums {
 
     /// A film without samples.
     pub(crate) fn with_layout(layout: FilmLayout, memory_limit: u64) -> Result<Self, EngineError> {
-        let FilmLayout { region, channel_names, kind, tile_side } = layout;
+        let FilmLayout { region, channel_names, channel_kinds, kind, tile_side } = layout;
         if region.pixel_count() == 0 {
             return Err(EngineError::BadRegion);
         }
@@ -91,10 +97,11 @@ impl FilmSums {
             let Region { width, height, .. } = region;
             return Err(EngineError::FilmTooLarge { width, height, bytes, limit: memory_limit });
         }
-        let tiles = region.tiles(tile_side);
-        let tiles = tiles.into_iter().map(|tile| Mutex::new(Tile::new(tile, kind))).collect();
+        let channel_kinds: Arc<[ChannelKind]> = channel_kinds.into();
+        let new_tile = |tile| Mutex::new(Tile::new(tile, kind, Arc::clone(&channel_kinds)));
+        let tiles = region.tiles(tile_side).into_iter().map(new_tile).collect();
         let splats = kind.splats.then(|| Splats::new(region));
-        Ok(Self { region, channel_names, kind, tile_side, tiles, splats })
+        Ok(Self { region, channel_names, channel_kinds, kind, tile_side, tiles, splats })
     }
 
     /// The bytes that the film of a job and its finished picture take together.
@@ -162,9 +169,20 @@ impl FilmSums {
                 picture.push(name, plane);
             }
         }
-        for (index, name) in self.channel_names.iter().enumerate() {
-            let channel = COLOR_CHANNELS + index;
-            picture.push(name, self.plane(|tile, pixel| tile.mean(pixel, channel)));
+        // The places of the next channel of each kind.
+        let (mut mean, mut nearest) = (COLOR_CHANNELS, 0);
+        for (name, kind) in self.channel_names.iter().zip(&*self.channel_kinds) {
+            let plane = match kind {
+                ChannelKind::Mean => self.plane(|tile, pixel| tile.mean(pixel, mean)),
+                ChannelKind::Nearest => {
+                    self.plane(|tile, pixel| f64::from(tile.nearest.value(pixel, nearest)))
+                }
+            };
+            picture.push(name, plane);
+            match kind {
+                ChannelKind::Mean => mean += 1,
+                ChannelKind::Nearest => nearest += 1,
+            }
         }
         for (channel, name) in VARIANCE_NAMES.into_iter().enumerate() {
             if channels.variance {
@@ -184,7 +202,7 @@ impl FilmSums {
             let top = (region.y - self.region.y) as usize;
             for pixel in 0..region.pixel_count() as usize {
                 let (row, column) = (pixel / region.width as usize, pixel % region.width as usize);
-                plane[(top + row) * width + left + column] = value(&tile, pixel) as f32;
+                plane[(top + row) * width + left + column] = to_single(value(&tile, pixel));
             }
         }
         plane
@@ -221,6 +239,7 @@ impl FilmSums {
     fn has_sums_of(&self, other: &Self) -> bool {
         self.region == other.region
             && self.channel_names == other.channel_names
+            && self.channel_kinds == other.channel_kinds
             && self.kind.variance == other.kind.variance
             && self.kind.splats == other.kind.splats
     }
@@ -260,6 +279,11 @@ impl FilmSums {
     /// The names of the channels beside colour and alpha.
     pub fn channel_names(&self) -> &[String] {
         &self.channel_names
+    }
+
+    /// How the channels beside colour and alpha are combined.
+    pub(crate) fn channel_kinds(&self) -> &[ChannelKind] {
+        &self.channel_kinds
     }
 
     /// Whether the film can tell variances.
@@ -306,18 +330,27 @@ impl FilmSums {
 
 fn kind<S: SampleSource>(job: &Job, source: &S) -> TileKind {
     TileKind {
-        extra_channel_count: source.channels().len(),
+        mean_channel_count: 0,
+        nearest_channel_count: 0,
         variance: job.variance,
         splats: source.splats().is_some(),
         first_sample: job.first_sample,
     }
+    .with_channels(&source.channel_kinds())
 }
 
 fn memory_needed(region: Region, kind: TileKind) -> u64 {
     let splats = if kind.splats { Splats::BYTES_PER_PIXEL } else { 0 };
-    let sums = ExactSums::BYTES * kind.sums_per_pixel() + 4 + splats;
-    let picture = 4 * kind.sums_per_pixel();
+    let nearest = Nearest::bytes_per_pixel(kind.nearest_channel_count);
+    let sums = ExactSums::BYTES * kind.sums_per_pixel() + 4 + splats + nearest;
+    let picture = 4 * (kind.sums_per_pixel() + kind.nearest_channel_count as u64);
     region.pixel_count().saturating_mul(sums + picture)
+}
+
+/// Rounds a value of the sums, and clamps what single precision cannot hold: variances of radiance
+/// beyond 10¹⁹.
+fn to_single(value: f64) -> f32 {
+    (value as f32).clamp(f32::MIN, f32::MAX)
 }
 
 /// A poisoned lock is no harm: samples are taken before they are added, so a panic in one leaves the

@@ -23,6 +23,7 @@ mod film_file;
 mod film_sums;
 mod host;
 mod job;
+mod nearest;
 mod observer;
 mod region;
 mod render;
@@ -36,6 +37,7 @@ mod workers;
 
 pub use camera::{Camera, Replay};
 pub use error::EngineError;
+pub use etendue_integrators::ChannelKind;
 pub use exact_sums::ExactSums;
 pub use film_file::{FilmFile, FilmFileError, FilmRecord};
 pub use film_sums::{Channels, FilmSums};

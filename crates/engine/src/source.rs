@@ -1,5 +1,6 @@
 //! The seam between the driver and whatever it renders: samples by name.
 
+use etendue_integrators::ChannelKind;
 use etendue_spectrum::Spectrum;
 
 use crate::splats::PixelSplat;
@@ -18,6 +19,11 @@ use crate::splats::PixelSplat;
 pub trait SampleSource: Sync {
     /// The names of the channels beside colour and alpha, such as `albedo.R`.
     fn channels(&self) -> &[String];
+
+    /// How the values of each channel are combined.
+    fn channel_kinds(&self) -> Vec<ChannelKind> {
+        vec![ChannelKind::Mean; self.channels().len()]
+    }
 
     /// Takes a sample for each id, in order, and appends them to `samples`.
     ///
@@ -71,4 +77,7 @@ pub struct Sample {
     pub alpha: f32,
     /// The reconstruction filter's weight, of mean 1; negative where the filter is.
     pub weight: f32,
+    /// The squared distance from the pixel's centre, in pixels. It decides whose identifiers the pixel
+    /// gets.
+    pub squared_distance: f32,
 }

@@ -1,9 +1,13 @@
 //! A small rectangle of pixels and the sums of its samples. One thread at a time adds to it.
 
+use std::sync::Arc;
+
 use crate::exact_sums::{ExactSums, SumsMut};
+use crate::nearest::{Key, Nearest};
 use crate::region::Region;
 use crate::source::{Sample, SampleId};
 use crate::statistics::{Defect, Defects};
+use etendue_integrators::ChannelKind;
 use etendue_math::lanes::{Level, Simd};
 use etendue_math::with_lanes;
 
@@ -17,12 +21,16 @@ pub(crate) const SQUARED_CHANNELS: usize = 3;
 #[derive(Debug)]
 pub(crate) struct Tile {
     pub(crate) region: Region,
-    /// Channels per pixel, alpha included.
+    /// How the extra channels are combined.
+    kinds: Arc<[ChannelKind]>,
+    /// Sums per pixel: colour, alpha, and the extra channels that have means.
     channel_count: usize,
     /// Σ weight·value of every channel, pixel after pixel.
     pub(crate) sums: ExactSums,
     /// Σ (weight·value)² of red, green and blue; empty without variances.
     pub(crate) squares: ExactSums,
+    /// The extra channels that belong to the sample nearest to each pixel's centre.
+    pub(crate) nearest: Nearest,
     /// Samples in the sums.
     pub(crate) counts: Vec<u32>,
     /// The index of every pixel's next sample.
@@ -33,8 +41,10 @@ pub(crate) struct Tile {
 /// What the tiles of a film have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileKind {
-    /// Channels beyond red, green, blue and alpha.
-    pub(crate) extra_channel_count: usize,
+    /// Channels beyond red, green, blue and alpha that have means.
+    pub(crate) mean_channel_count: usize,
+    /// Channels of the sample nearest to a pixel's centre.
+    pub(crate) nearest_channel_count: usize,
     /// Whether squares are summed.
     pub(crate) variance: bool,
     /// Whether samples have splats, which belong to the film as a whole.
@@ -44,23 +54,35 @@ pub(crate) struct TileKind {
 }
 
 impl TileKind {
+    /// Counts the channels of each kind.
+    pub(crate) fn with_channels(self, kinds: &[ChannelKind]) -> Self {
+        let count = |kind| kinds.iter().filter(|other| **other == kind).count();
+        Self {
+            mean_channel_count: count(ChannelKind::Mean),
+            nearest_channel_count: count(ChannelKind::Nearest),
+            ..self
+        }
+    }
+
     /// How many sums a pixel has, of values and of squares.
     pub(crate) fn sums_per_pixel(self) -> u64 {
         let squared = if self.variance { SQUARED_CHANNELS } else { 0 };
-        (COLOR_CHANNELS + self.extra_channel_count + squared) as u64
+        (COLOR_CHANNELS + self.mean_channel_count + squared) as u64
     }
 }
 
 impl Tile {
-    pub(crate) fn new(region: Region, kind: TileKind) -> Self {
+    pub(crate) fn new(region: Region, kind: TileKind, kinds: Arc<[ChannelKind]>) -> Self {
         let pixel_count = region.pixel_count() as usize;
-        let channel_count = COLOR_CHANNELS + kind.extra_channel_count;
+        let channel_count = COLOR_CHANNELS + kind.mean_channel_count;
         let squared = if kind.variance { pixel_count * SQUARED_CHANNELS } else { 0 };
         Self {
             region,
+            kinds,
             channel_count,
             sums: ExactSums::new(pixel_count * channel_count),
             squares: ExactSums::new(squared),
+            nearest: Nearest::new(pixel_count, kind.nearest_channel_count),
             counts: vec![0; pixel_count],
             next_sample: kind.first_sample,
             defects: Defects::default(),
@@ -79,6 +101,9 @@ impl Tile {
         merge(&mut self.sums, &other.sums, self.channel_count);
         if !self.squares.is_empty() {
             merge(&mut self.squares, &other.squares, SQUARED_CHANNELS);
+        }
+        if !self.nearest.is_empty() {
+            self.nearest.merge_pixel(pixel, &other.nearest, other_pixel);
         }
     }
 
@@ -122,7 +147,7 @@ impl Tile {
         samples: &[Sample],
         channels: &[f32],
     ) {
-        let extra_channel_count = self.channel_count - COLOR_CHANNELS;
+        let extra_channel_count = self.kinds.len();
         // By reference: copied out one by one, ids of twelve bytes would be read back in pieces that
         // the processor cannot forward, which takes half of the time of this loop.
         for (index, (id, sample)) in ids.iter().zip(samples).enumerate() {
@@ -142,7 +167,18 @@ impl Tile {
         let pixel = row * self.region.width as usize + (id.x - self.region.x) as usize;
         self.counts[pixel] += 1;
         let place = pixel * self.channel_count;
-        add(simd, &mut self.sums.slice_mut(place, self.channel_count), sample, channels);
+        let sums = &mut self.sums.slice_mut(place, self.channel_count);
+        if self.nearest.is_empty() {
+            add(simd, sums, sample, channels.iter().copied());
+        } else {
+            let of_kind = |kind: ChannelKind| {
+                let pairs = channels.iter().zip(&*self.kinds);
+                pairs.filter(move |(_, other)| **other == kind).map(|(value, _)| *value)
+            };
+            add(simd, sums, sample, of_kind(ChannelKind::Mean));
+            let key = Key::new(sample.squared_distance, id.index);
+            self.nearest.add(pixel, key, of_kind(ChannelKind::Nearest));
+        }
         if !self.squares.is_empty() {
             let place = pixel * SQUARED_CHANNELS;
             add_squares(&mut self.squares.slice_mut(place, SQUARED_CHANNELS), sample);
@@ -165,12 +201,17 @@ fn find_defect(sample: &Sample, channels: &[f32]) -> Option<Defect> {
 }
 
 #[inline(always)]
-fn add<V: Simd>(simd: V, sums: &mut SumsMut<'_>, sample: &Sample, channels: &[f32]) {
+fn add<V: Simd>(
+    simd: V,
+    sums: &mut SumsMut<'_>,
+    sample: &Sample,
+    channels: impl Iterator<Item = f32>,
+) {
     let weight = f64::from(sample.weight);
     let [red, green, blue] = sample.color.rgb();
     let values: [f32; COLOR_CHANNELS] = [red, green, blue, sample.alpha];
     sums.add_four(simd, 0, values.map(|value| weight * f64::from(value)));
-    for (index, &value) in channels.iter().enumerate() {
+    for (index, value) in channels.enumerate() {
         sums.add(COLOR_CHANNELS + index, weight * f64::from(value));
     }
 }

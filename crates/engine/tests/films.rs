@@ -4,9 +4,9 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use etendue_engine::{
-    Budget, Cancel, Channels, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums, Host,
-    Job, PixelSplat, PixelSplatSink, Region, Sample, SampleId, SampleSource, SamplesPerPixel,
-    Silent, SplatSource, Workers, render_into,
+    Budget, Cancel, ChannelKind, Channels, EngineError, FilmFile, FilmFileError, FilmRecord,
+    FilmSums, Host, Job, PixelSplat, PixelSplatSink, Region, Sample, SampleId, SampleSource,
+    SamplesPerPixel, Silent, SplatSource, Workers, render_into,
 };
 use etendue_image::Picture;
 use etendue_spectrum::Spectrum;
@@ -23,7 +23,11 @@ struct Noise {
 
 impl Noise {
     fn new() -> Self {
-        Self { channels: vec!["channel.Z".to_owned()], stop: None, taken: AtomicU64::new(0) }
+        Self {
+            channels: vec!["channel.Z".to_owned(), "id.I".to_owned()],
+            stop: None,
+            taken: AtomicU64::new(0),
+        }
     }
 }
 
@@ -33,9 +37,15 @@ impl SampleSource for Noise {
     }
 
     fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
-        for (id, channel) in ids.iter().zip(channels) {
+        for (id, channels) in ids.iter().zip(channels.chunks_exact_mut(2)) {
+            let [channel, identifier] = channels else { unreachable!("chunks of two") };
+            *identifier = (id.index % 7) as f32;
             samples.push(self.sample(*id, channel));
         }
+    }
+
+    fn channel_kinds(&self) -> Vec<ChannelKind> {
+        [ChannelKind::Mean, ChannelKind::Nearest][..self.channels.len()].to_vec()
     }
 
     fn splats(&self) -> Option<&dyn SplatSource> {
@@ -70,7 +80,9 @@ impl Noise {
         *channel = next() - 0.5;
         let (alpha, weight) = (next(), 1.5 - 2.0 * next());
         let color = if next() < 0.01 { [f32::NAN; 3] } else { color };
-        Sample { color: Spectrum::from_rgb(color), alpha, weight }
+        // Few distances, so that samples share them.
+        let squared_distance = (next() * 4.0).floor();
+        Sample { color: Spectrum::from_rgb(color), alpha, weight, squared_distance }
     }
 }
 

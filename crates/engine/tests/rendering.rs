@@ -36,7 +36,7 @@ fn formula<F: Fn(SampleId) -> Sample + Sync>(sample: F) -> Formula<F> {
 
 /// Grey light of full coverage and weight.
 fn grey(value: f32) -> Sample {
-    Sample { color: Spectrum::splat(value), alpha: 1.0, weight: 1.0 }
+    Sample { color: Spectrum::splat(value), alpha: 1.0, weight: 1.0, squared_distance: 0.0 }
 }
 
 /// A number in [0, 1) whose sums need many digits.

@@ -19,6 +19,8 @@ pub(crate) struct Development {
     pub(crate) film: [u32; 2],
     /// In hexadecimal.
     pub(crate) scene_hash: String,
+    /// Empty if the host has not named the scene.
+    pub(crate) scene_name: String,
     pub(crate) seed: u64,
     pub(crate) world_to_camera: [f32; 16],
     pub(crate) world_to_ndc: [f32; 16],
@@ -59,6 +61,7 @@ impl Development {
             exposure: film.display.exposure,
             film: [film.width, film.height],
             scene_hash: hexadecimal(scene_hash),
+            scene_name: String::new(),
             seed,
             world_to_camera: camera.world_to_camera.to_cols_array(),
             world_to_ndc: camera.world_to_ndc.to_cols_array(),
@@ -75,6 +78,7 @@ impl Development {
             ("exposure", self.exposure.to_string()),
             ("film", format!("{width} {height}")),
             ("scene", self.scene_hash.clone()),
+            (SCENE_NAME, self.scene_name.clone()),
             ("seed", self.seed.to_string()),
             ("world to camera", numbers(&self.world_to_camera)),
             ("world to NDC", numbers(&self.world_to_ndc)),
@@ -94,6 +98,7 @@ impl Development {
             exposure: note("exposure")?.parse().ok()?,
             film: parse(note("film")?)?,
             scene_hash: note("scene")?.to_owned(),
+            scene_name: note(SCENE_NAME)?.to_owned(),
             seed: note("seed")?.parse().ok()?,
             world_to_camera: parse(note("world to camera")?)?,
             world_to_ndc: parse(note("world to NDC")?)?,
@@ -108,7 +113,7 @@ impl Development {
     ) -> Vec<(String, MetadataValue)> {
         let text = |value: String| MetadataValue::Text(value);
         let count = i32::try_from(samples_per_pixel).unwrap_or(i32::MAX);
-        let entries = [
+        let mut entries = vec![
             ("software", text(format!("Etendue {}", env!("CARGO_PKG_VERSION")))),
             ("sceneHash", text(self.scene_hash.clone())),
             // Header integers are 32-bit signed, but seeds are 64-bit.
@@ -118,8 +123,20 @@ impl Development {
             ("worldToCamera", MetadataValue::Matrix4(self.world_to_camera)),
             ("worldToNDC", MetadataValue::Matrix4(self.world_to_ndc)),
         ];
-        entries.map(|(name, value)| (name.to_owned(), value)).into()
+        if !self.scene_name.is_empty() {
+            entries.push(("scene", text(self.scene_name.clone())));
+        }
+        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
+}
+
+/// The note with the name of the scene.
+const SCENE_NAME: &str = "scene name";
+
+/// The name of the scene in the notes of a film, if it has one.
+pub fn scene_name(notes: &[(String, String)]) -> Option<&str> {
+    let found = notes.iter().find(|(name, _)| name == SCENE_NAME)?;
+    Some(found.1.as_str()).filter(|name| !name.is_empty())
 }
 
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
@@ -158,6 +175,7 @@ mod tests {
             exposure: -0.1,
             film: [640, 360],
             scene_hash: hexadecimal(&[0xab; 32]),
+            scene_name: "cups/scene.xml".to_owned(),
             seed: u64::MAX,
             world_to_camera: std::array::from_fn(|i| 1.0 / (i as f32 + 3.0)),
             world_to_ndc: std::array::from_fn(|i| f32::MIN_POSITIVE * i as f32),

@@ -87,6 +87,28 @@ fn write_temporary(
     Ok(())
 }
 
+/// The file that a name stands for: where symbolic links lead, whether or not there is a file yet.
+///
+/// # Errors
+///
+/// The operating system's error, or one about links that lead nowhere.
+pub fn follow_links(path: &Path) -> io::Result<PathBuf> {
+    /// As many as Linux follows.
+    const MAX_LINKS: usize = 40;
+
+    let mut path = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        match fs::symlink_metadata(&path) {
+            Ok(metadata) if metadata.is_symlink() => {
+                path = folder_of(&path).join(fs::read_link(&path)?);
+            }
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => return Ok(path),
+        }
+    }
+    Err(io::Error::other("its symbolic links lead in a circle"))
+}
+
 /// Deletes a file durably; a missing file is not an error.
 ///
 /// # Errors

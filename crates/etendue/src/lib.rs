@@ -81,6 +81,7 @@ pub use etendue_sampling as sampling;
 pub use etendue_scene as scene;
 pub use etendue_spectrum as spectrum;
 
+pub use development::scene_name;
 pub use diagnostic_report::DiagnosticReport;
 pub use error::Error;
 pub use etendue_document::{Resources, render_diagnostic};

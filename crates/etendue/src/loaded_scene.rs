@@ -7,6 +7,7 @@ use etendue_document::{Diagnostics, Document, Resources, Sources, normalise};
 use etendue_integrators::{Integrator, build_integrator};
 use etendue_scene::{AssetCache, BuildOptions, Identity, Scene, SceneInput, gather_scene};
 
+use crate::development::hexadecimal;
 use crate::options::SceneOptions;
 
 /// A scene and its integrator. Clones are cheap and share everything.
@@ -42,6 +43,11 @@ impl LoadedScene {
     /// The document the scene was built from, if [`SceneOptions::editable`] asked to keep it.
     pub fn document(&self) -> Option<&Arc<Document>> {
         self.editable.as_ref().map(|editable| &editable.document)
+    }
+
+    /// A hash of the scene and the files that it names, in hexadecimal, as pictures and parts hold it.
+    pub fn hash(&self) -> String {
+        hexadecimal(&self.scene.content_hash())
     }
 
     /// Call this when a file has changed: the next edit reads it again. `path` is the path the

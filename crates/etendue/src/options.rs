@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use etendue_engine::Region;
+use etendue_image::ToneMap;
 use etendue_integrators::IntegratorOptions;
 use etendue_scene::BuildOptions;
 
@@ -51,6 +52,12 @@ pub struct RenderOptions {
     pub threads: Option<NonZeroUsize>,
     /// Whether to add the variance of every pixel's mean as the channels `variance.R`, `.G`, `.B`.
     pub variance: bool,
+    /// The exposure of sRGB-encoded files in stops, instead of the film's.
+    pub exposure: Option<f32>,
+    /// The tone mapping of sRGB-encoded files, instead of the film's.
+    pub tone_map: Option<ToneMap>,
+    /// The name of the scene, for the metadata of pictures; empty for none.
+    pub scene_name: String,
     /// The maximum memory of the film in bytes; `None` for [`DEFAULT_MEMORY_LIMIT`].
     pub memory_limit: Option<u64>,
 }

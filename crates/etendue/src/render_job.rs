@@ -84,6 +84,7 @@ pub struct RenderJob {
     sensor_index: usize,
     job: Job,
     planned_samples: u32,
+    development: Development,
 }
 
 impl RenderJob {
@@ -125,7 +126,15 @@ impl RenderJob {
             sampler,
             Arc::clone(&scene.integrator),
         );
-        Ok(Self { camera, scene: scene.clone(), sensor_index, job, planned_samples: planned })
+        let development = Development::new(setup, &scene.scene.content_hash(), seed);
+        let development = Development {
+            exposure: options.exposure.unwrap_or(development.exposure),
+            tone_map: options.tone_map.unwrap_or(development.tone_map),
+            scene_name: options.scene_name.clone(),
+            ..development
+        };
+        let (scene, planned_samples) = (scene.clone(), planned);
+        Ok(Self { camera, scene, sensor_index, job, planned_samples, development })
     }
 
     /// The source of its samples, to replay one of them.
@@ -175,15 +184,10 @@ impl RenderJob {
     pub fn record(&self, seconds: f64) -> FilmRecord {
         FilmRecord {
             identity: self.identity(),
-            notes: self.development().to_notes(),
+            notes: self.development.to_notes(),
             planned_samples: self.planned_samples,
             seconds,
         }
-    }
-
-    fn development(&self) -> Development {
-        let hash = self.scene.scene.content_hash();
-        Development::new(self.setup(), &hash, self.camera.sampler().seed())
     }
 
     /// A film without samples.
@@ -234,7 +238,7 @@ impl RenderJob {
     /// Develops the sums of this job into a picture; `seconds` is the wall time of all runs that
     /// contributed.
     pub fn develop(&self, film: &FilmSums, statistics: Statistics, seconds: f64) -> Rendering {
-        Rendering::new(film, statistics, &self.development(), seconds)
+        Rendering::new(film, statistics, &self.development, seconds)
     }
 
     /// Trains the integrator if there is anything to learn, and renders until the budget is spent or

@@ -20,6 +20,8 @@ pub struct Rendering {
     pub encoding: EncodeOptions,
     /// The render statistics.
     pub statistics: Statistics,
+    /// How many values single precision cannot hold: they are written as its greatest.
+    pub clamped_values: usize,
 }
 
 impl Rendering {
@@ -47,7 +49,9 @@ impl Rendering {
             ..EncodeOptions::default()
         };
         let wants_xyz = format.without_alpha() == PixelFormat::Xyz;
-        Self { picture, wants_xyz, encoding, statistics }
+        let values = picture.channels.iter().flat_map(|channel| &channel.data);
+        let clamped_values = values.filter(|value| value.abs() == f32::MAX).count();
+        Self { picture, wants_xyz, encoding, statistics, clamped_values }
     }
 
     /// Encodes the picture as a file.

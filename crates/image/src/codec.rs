@@ -16,10 +16,9 @@ mod zip;
 
 pub use losses::losses;
 pub use options::{BitDepth, EncodeOptions, ExrCompression, ExrPrecision};
-pub use png_chunks::texts as png_texts;
 
 use crate::format::{SourceFormat, recognize};
-use crate::{Bitmap, FileFormat, ImageError, Limits, Picture, Samples};
+use crate::{Bitmap, FileFormat, ImageError, Limits, MetadataValue, Picture, Samples};
 
 /// Decodes a PNG, JPEG, BMP, TGA, TIFF, WebP, QOI, Radiance HDR, OpenEXR, PFM or NumPy file within
 /// the default [`Limits`].
@@ -70,6 +69,21 @@ pub fn decode_exr_layers(bytes: &[u8]) -> Result<Picture, ImageError> {
 /// As [`decode_exr_layers`].
 pub fn decode_exr_layers_with_limits(bytes: &[u8], limits: &Limits) -> Result<Picture, ImageError> {
     exr_read::decode_picture(bytes, limits)
+}
+
+/// The metadata of an OpenEXR or PNG file, of which `bytes` may be only the beginning. Empty for
+/// other formats, and for headers that are not valid.
+///
+/// The texts of PNG files have the names that [`encode`] gave them.
+pub fn metadata(bytes: &[u8]) -> Vec<(String, MetadataValue)> {
+    match recognize(bytes, "") {
+        Some(SourceFormat::Exr) => exr_read::metadata_of_file(bytes),
+        Some(SourceFormat::Common(image::ImageFormat::Png, _)) => {
+            let texts = png_chunks::texts(bytes).into_iter();
+            texts.map(|(name, text)| (name, MetadataValue::Text(text))).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Decodes any format to a [`Picture`] of linear channels relative to the primaries of BT.709: all

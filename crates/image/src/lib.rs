@@ -43,7 +43,7 @@ mod tone_map;
 pub use bitmap::{Bitmap, Samples};
 pub use codec::{
     BitDepth, EncodeOptions, ExrCompression, ExrPrecision, decode, decode_exr_layers,
-    decode_exr_layers_with_limits, decode_picture, decode_with_limits, encode, losses, png_texts,
+    decode_exr_layers_with_limits, decode_picture, decode_with_limits, encode, losses, metadata,
 };
 pub use color_image::ColorImage;
 pub use error::ImageError;

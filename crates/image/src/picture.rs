@@ -229,9 +229,14 @@ impl Picture {
     }
 
     /// The picture of one layer, as its main layer: the channels become `R`, `G` and `B`, or `Y`, and
-    /// `A`. Two channels become red and green. `None` if there is no such layer.
+    /// `A`. Two channels become red and green. A channel of this name is a layer, too. `None` if there
+    /// is neither.
     pub fn layer(&self, name: &str) -> Option<Self> {
-        let (_, channels) = self.layers().into_iter().find(|(known, _)| *known == name)?;
+        let layer = self.layers().into_iter().find(|(known, _)| *known == name);
+        let channels = match layer {
+            Some((_, channels)) => channels,
+            None => vec![self.channels.iter().position(|channel| channel.name == name)?],
+        };
         let mut picture = Self {
             channels: Vec::new(),
             metadata: self.metadata.clone(),
@@ -416,6 +421,7 @@ mod tests {
         assert_eq!(values("Z"), Some(vec![pair("Y", 4.0)]));
         assert_eq!(values("uv"), Some(vec![pair("R", 7.0), pair("G", 8.0), pair("B", 0.0)]));
         assert_eq!(values("x"), Some(vec![pair("R", 11.0), pair("G", 10.0), pair("B", 9.0)]));
+        assert_eq!(values("n.Y"), Some(vec![pair("Y", 6.0)]));
         assert_eq!(values("nothing"), None);
     }
 

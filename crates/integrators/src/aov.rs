@@ -1,6 +1,6 @@
 //! `aov`: quantities of the first visible surface, for compositing, denoising and debugging.
 
-use crate::integrator::{CameraRay, Integrator, Radiance, Start};
+use crate::integrator::{CameraRay, ChannelKind, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone, write};
 use etendue_document::{Fault, Parameters, list_names, near_names};
 use etendue_sampling::Sampler;
@@ -15,7 +15,8 @@ pub(crate) const MANUAL: Manual = Manual {
               surface along the camera ray, and are zero where there is none. The kinds, with their \
               channels, are `albedo` (R, G, B), `depth` (T, the distance), `position` (X, Y, Z), `uv` \
               (U, V), `geo_normal`, `sh_normal` (before bump and normal maps), `dp_du` and `dp_dv` (X, Y, \
-              Z), `prim_index` and `shape_index` (I; shapes count from 1). A nested integrator NAME \
+              Z), `prim_index` and `shape_index` (I; shapes count from 1; the value of the sample nearest \
+              to the pixel's centre, where others are means). A nested integrator NAME \
               (`_arg_0`, `_arg_1`, … for those without a name) adds its own result as `NAME.R`, \
               `NAME.G`, `NAME.B` and `NAME.A`, and its layers as `NAME.LAYER`.",
     parameters: &[ParameterManual {
@@ -61,6 +62,8 @@ pub struct Aov {
     kinds: Vec<Kind>,
     /// The channel names: those of the nested integrators, then those of the kinds.
     channels: Vec<String>,
+    /// How the film combines each of the channels.
+    channel_kinds: Vec<ChannelKind>,
     nested: Vec<Nested>,
 }
 
@@ -69,12 +72,15 @@ impl Aov {
     #[must_use]
     pub fn build(parameters: &Parameters<'_>, nested: Vec<Nested>) -> Self {
         let mut channels: Vec<String> = Vec::new();
+        let mut channel_kinds = Vec::new();
         for nested in &nested {
             channels.extend(nested.channel_names());
             channels
                 .extend(["R", "G", "B", "A"].map(|channel| format!("{}.{channel}", nested.name)));
+            channel_kinds.extend(nested.integrator.channel_kinds());
+            channel_kinds.extend([ChannelKind::Mean; 4]);
         }
-        let mut aov = Self { kinds: Vec::new(), channels, nested };
+        let mut aov = Self { kinds: Vec::new(), channels, channel_kinds, nested };
         for item in parameters.string("aovs", "").split(',').map(str::trim) {
             if item.is_empty() {
                 continue;
@@ -95,6 +101,9 @@ impl Aov {
             return;
         };
         self.kinds.push(*kind);
+        let is_index = matches!(kind, Kind::PrimitiveIndex | Kind::ShapeIndex);
+        let channel_kind = if is_index { ChannelKind::Nearest } else { ChannelKind::Mean };
+        self.channel_kinds.extend(channels.iter().map(|_| channel_kind));
         self.channels.extend(channels.iter().map(|channel| format!("{name}.{channel}")));
     }
 
@@ -130,6 +139,10 @@ impl Kind {
 impl Integrator for Aov {
     fn channels(&self) -> &[String] {
         &self.channels
+    }
+
+    fn channel_kinds(&self) -> Vec<ChannelKind> {
+        self.channel_kinds.clone()
     }
 
     fn sample(

@@ -25,6 +25,11 @@ pub trait Integrator: Send + Sync {
         &[]
     }
 
+    /// How the film combines the values of each of [`Self::channels`].
+    fn channel_kinds(&self) -> Vec<ChannelKind> {
+        vec![ChannelKind::Mean; self.channels().len()]
+    }
+
     /// The radiance and alpha along the ray that starts at `start`. `channels` has one value for
     /// each of [`Self::channels`], all initially zero.
     fn sample(
@@ -90,6 +95,17 @@ pub trait Training: Send + Sync {
 
     /// Ends the training; the returned integrator has no training left.
     fn finish(self: Box<Self>) -> Box<dyn Integrator>;
+}
+
+/// How a film combines the values that a channel has in the samples of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ChannelKind {
+    /// Their mean, weighted by the reconstruction filter.
+    #[default]
+    Mean,
+    /// The value of the sample nearest to the pixel's centre, for identifiers: their mean would
+    /// identify something else.
+    Nearest,
 }
 
 /// The result of one camera sample.

@@ -26,7 +26,7 @@ mod volpathmis;
 pub use aov::Aov;
 pub use depth::Depth;
 pub use direct::Direct;
-pub use integrator::{CameraRay, Integrator, Radiance, Start, Training};
+pub use integrator::{CameraRay, ChannelKind, Integrator, Radiance, Start, Training};
 pub use moment::Moment;
 pub use nested::Nested;
 pub use options::IntegratorOptions;

@@ -1,6 +1,6 @@
 //! `moment`: the results of other integrators and their squares.
 
-use crate::integrator::{CameraRay, Integrator, Radiance, Start};
+use crate::integrator::{CameraRay, ChannelKind, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone};
 use etendue_sampling::Sampler;
 use etendue_scene::{Manual, Scene};
@@ -41,6 +41,17 @@ impl Moment {
 impl Integrator for Moment {
     fn channels(&self) -> &[String] {
         &self.channels
+    }
+
+    fn channel_kinds(&self) -> Vec<ChannelKind> {
+        let mut kinds = Vec::with_capacity(self.channels.len());
+        for nested in &self.nested {
+            kinds.extend(nested.integrator.channel_kinds());
+            kinds.extend([ChannelKind::Mean; 3]);
+        }
+        // The squares of identifiers are as little use as their means.
+        kinds.resize(self.channels.len(), ChannelKind::Mean);
+        kinds
     }
 
     fn sample(

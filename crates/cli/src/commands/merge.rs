@@ -52,6 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         .ok_or_else(|| Failure::bad_input("the parts do not say how to make their picture"))?;
     let written = outputs.write_pictures(&rendering);
     let written = written.max(outputs.write_parts(&merged.film, &merged.record));
+    report::clamped(&rendering);
     replay::report_without_command(&rendering.statistics.defects);
     if !arguments.quiet {
         report::written(&rendering, &outputs);

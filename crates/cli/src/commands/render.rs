@@ -13,12 +13,13 @@ use serde_json::json;
 
 use super::scene::SceneArguments;
 use crate::checkpoint_writer::{CheckpointArguments, CheckpointWriter, End};
+use crate::display::DisplayArguments;
 use crate::failure::{Failure, Status};
 use crate::output::{self, Target};
 use crate::outputs::{Outputs, Product};
 use crate::progress::{ProgressDisplay, ProgressMode};
 use crate::signals::Signals;
-use crate::{diagnostics, memory, parsers, replay, report, resume, terminal, text};
+use crate::{diagnostics, memory, origin, parsers, replay, report, resume, terminal, text};
 
 /// The arguments of `etendue render`.
 #[derive(Args, Debug)]
@@ -26,8 +27,9 @@ pub(crate) struct Arguments {
     /// Scene files
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// Output file: exr, png, jpg, hdr, pfm, bmp or tiff by extension, part for the samples' sums,
-    /// or a folder. Repeat for several files [default: the scene's name with .exr and .png]
+    /// Output file: exr, png, jpg, hdr, pfm, bmp, tiff, npy or npz by extension, part for the
+    /// samples' sums, or a folder. Repeat for several files [default: the scene's name, or its folder's
+    /// if it is called scene, with .exr and .png]
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Samples per pixel; overrides the scene's value
@@ -55,12 +57,17 @@ pub(crate) struct Arguments {
     /// Render one sample, print its values, and write no picture
     #[arg(long, value_name = "X,Y,INDEX", value_parser = parsers::sample_id)]
     replay: Option<SampleId>,
-    /// Skip scenes whose output files exist and are finished
+    /// Skip scenes whose output files exist, are finished and are of this scene as it is now
     #[arg(long)]
     skip_existing: bool,
+    /// Replace files with the default names even if they are of another scene or not of Etendue
+    #[arg(long)]
+    overwrite: bool,
     /// Print one line of JSON per second on standard output, for other programs
     #[arg(long)]
     json_progress: bool,
+    #[command(flatten)]
+    display: DisplayArguments,
     #[command(flatten)]
     checkpoints: CheckpointArguments,
     #[command(flatten)]
@@ -73,14 +80,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         .map_err(|error| Failure::failed(format!("cannot install signal handlers: {error}")))?;
     let outputs = outputs(arguments)?;
     let preview = arguments.checkpoints.preview()?;
+    let named = outputs.iter().flat_map(Outputs::paths);
+    output::check_distinct(named.chain(preview.iter().map(|target| target.path.as_path())))?;
     let workers = arguments.scene.workers()?;
     let host = Host { arguments, workers: &workers, signals: &signals, preview: preview.as_ref() };
     let mut worst = Status::Success;
     for (scene, outputs) in arguments.scenes.iter().zip(&outputs) {
-        if arguments.skip_existing && outputs.exist() {
-            host.say(&format!("{}: skipped, already finished", outputs.names()));
-            continue;
-        }
         worst = worst.max(host.render(scene, outputs)?);
         if let Some(signal) = signals.received() {
             return Ok(Status::Stopped(signal));
@@ -113,6 +118,9 @@ fn outputs(arguments: &Arguments) -> Result<Vec<Outputs>, Failure> {
     for scene in &arguments.scenes {
         let names = output::default_names(scene, folder, arguments.samples.as_ref());
         let outputs = Outputs::new(&names, product)?;
+        if !arguments.overwrite {
+            outputs.check_origins(&origin::name_of_scene(scene))?;
+        }
         if all.contains(&outputs) {
             let name = names[0].display();
             return Err(Failure::bad_input(format!("two scenes would be written to {name}")));
@@ -135,17 +143,27 @@ impl Host<'_> {
         let arguments = self.arguments;
         self.signals.leave_at_once();
         let checkpoint = outputs.checkpoint();
-        let header = match &checkpoint {
-            Some(checkpoint) => resume::find(checkpoint, arguments.checkpoints.resume)?,
-            None => None,
+        let find_checkpoint = || match &checkpoint {
+            Some(checkpoint) => resume::find(checkpoint, arguments.checkpoints.resume),
+            None => Ok(None),
         };
+        let is_finished = arguments.skip_existing && outputs.exist();
+        let mut header = if is_finished { None } else { find_checkpoint()? };
         let loaded = arguments.scene.load(path, self.workers)?;
         diagnostics::show(&loaded.diagnostics, arguments.scene.detail());
         let Some(loaded_scene) = &loaded.scene else {
             return Ok(Status::BadInput);
         };
+        if is_finished {
+            if outputs.may_be_of(&loaded_scene.hash()) {
+                self.say(&format!("{}: skipped, already finished", outputs.names()));
+                return Ok(Status::Success);
+            }
+            self.say(&format!("{}: of another scene, rendered again", outputs.names()));
+            header = find_checkpoint()?;
+        }
         let planned = header.as_ref().map(|header| header.record.planned_samples);
-        let job = RenderJob::new(loaded_scene, &options(arguments, planned));
+        let job = RenderJob::new(loaded_scene, &options(arguments, path, planned));
         let mut job = job.map_err(|error| failure(path, error))?;
         job.train(self.workers, self.signals.cancel()).map_err(|error| failure(path, error))?;
         if let Some(id) = arguments.replay {
@@ -216,6 +234,7 @@ impl Host<'_> {
         let statistics = statistics.map_err(|error| failure(path, error))?;
         let write_started = Instant::now();
         let (status, rendering) = self.write(run, &writer, statistics);
+        report::clamped(&rendering);
         replay::report(&rendering.statistics.defects);
         if !arguments.scene.quiet {
             report::written(&rendering, run.outputs);
@@ -285,7 +304,7 @@ struct Run<'a> {
 }
 
 /// The library's options. `planned` is the number of samples planned by the run to resume.
-fn options(arguments: &Arguments, planned: Option<u32>) -> RenderOptions {
+fn options(arguments: &Arguments, scene: &Path, planned: Option<u32>) -> RenderOptions {
     RenderOptions {
         sensor: SensorChoice::from(arguments.sensor.as_str()),
         region: arguments.crop,
@@ -296,6 +315,9 @@ fn options(arguments: &Arguments, planned: Option<u32>) -> RenderOptions {
         seed: arguments.seed,
         threads: arguments.scene.threads,
         variance: arguments.variance,
+        exposure: arguments.display.exposure,
+        tone_map: arguments.display.tone_map(),
+        scene_name: origin::name_of_scene(scene),
         memory_limit: memory::available(),
     }
 }

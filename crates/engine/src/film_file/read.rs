@@ -7,11 +7,13 @@ use super::error::FilmFileError;
 use super::format::{CHECKSUM_BYTES, FilmRecord, MAGIC, PREFIX_BYTES, VERSION};
 use crate::exact_sums::ExactSums;
 use crate::film_sums::{FilmLayout, FilmSums};
+use crate::nearest::{Key, Nearest};
 use crate::region::{Region, TILE_SIDES};
 use crate::source::SampleId;
 use crate::splats::Splats;
 use crate::statistics::{Defect, DefectiveSample, Defects, KEPT};
 use crate::tile::{Tile, TileKind};
+use etendue_integrators::ChannelKind;
 
 /// The header of a film's file.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +28,8 @@ pub struct FilmFile {
     pub samples_per_pixel: u32,
     /// The names of the channels beside colour and alpha.
     pub channel_names: Vec<String>,
+    /// One for each name.
+    channel_kinds: Vec<ChannelKind>,
     /// Whether there are squares, for variances.
     pub variance: bool,
     /// Whether there are splats.
@@ -81,6 +85,7 @@ impl FilmFile {
             variance: cursor.u8()? != 0,
             splats: cursor.u8()? != 0,
             channel_names: cursor.list(Cursor::text)?,
+            channel_kinds: cursor.list(read_channel_kind)?,
             header: Vec::new(),
         };
         file.check()?;
@@ -98,6 +103,9 @@ impl FilmFile {
         }
         if self.first_sample.checked_add(self.samples_per_pixel).is_none() {
             return Err(FilmFileError::Invalid("it has too many samples"));
+        }
+        if self.channel_kinds.len() != self.channel_names.len() {
+            return Err(FilmFileError::Invalid("its channels do not match their kinds"));
         }
         if !self.record.seconds.is_finite() || self.record.seconds < 0.0 {
             return Err(FilmFileError::Invalid("its time is not valid"));
@@ -119,11 +127,13 @@ impl FilmFile {
         memory_limit: u64,
     ) -> Result<FilmSums, FilmFileError> {
         let kind = TileKind {
-            extra_channel_count: self.channel_names.len(),
+            mean_channel_count: 0,
+            nearest_channel_count: 0,
             variance: self.variance,
             splats: self.splats,
             first_sample: self.first_sample,
-        };
+        }
+        .with_channels(&self.channel_kinds);
         let expected = tile_bytes(self.region.pixel_count(), kind);
         let left = length.saturating_sub(self.header.len() as u64);
         // Before memory is allocated: a header may claim any size.
@@ -133,6 +143,7 @@ impl FilmFile {
         let layout = FilmLayout {
             region: self.region,
             channel_names: self.channel_names.clone(),
+            channel_kinds: self.channel_kinds.clone(),
             kind,
             tile_side: self.tile_side,
         };
@@ -160,7 +171,8 @@ impl FilmFile {
 
 /// The bytes of the counts and sums of some pixels.
 fn tile_bytes(pixel_count: u64, kind: TileKind) -> u64 {
-    pixel_count.saturating_mul(4 + ExactSums::BYTES * kind.sums_per_pixel())
+    let nearest = Nearest::bytes_per_pixel(kind.nearest_channel_count);
+    pixel_count.saturating_mul(4 + ExactSums::BYTES * kind.sums_per_pixel() + nearest)
 }
 
 fn read_tile(
@@ -192,7 +204,39 @@ fn read_tile(
         }
     }
     read_sums(&mut cursor, &mut tile.sums, given)?;
-    read_sums(&mut cursor, &mut tile.squares, given)
+    read_sums(&mut cursor, &mut tile.squares, given)?;
+    if kind.nearest_channel_count > 0 {
+        read_nearest(&mut cursor, tile, kind.nearest_channel_count)?;
+    }
+    Ok(())
+}
+
+/// Reads the values of the nearest sample of each pixel.
+fn read_nearest(
+    cursor: &mut Cursor<'_>,
+    tile: &mut Tile,
+    channel_count: usize,
+) -> Result<(), FilmFileError> {
+    const INVALID: FilmFileError = FilmFileError::Invalid("a nearest sample is not valid");
+    for pixel in 0..tile.counts.len() {
+        let key = Key::from_raw([cursor.u32()?, cursor.u32()?]).ok_or(INVALID)?;
+        let values: Result<Vec<f32>, _> =
+            (0..channel_count).map(|_| cursor.u32().map(f32::from_bits)).collect();
+        let values = values?;
+        if values.iter().any(|value| !value.is_finite()) {
+            return Err(INVALID);
+        }
+        tile.nearest.add(pixel, key, values.into_iter());
+    }
+    Ok(())
+}
+
+fn read_channel_kind(cursor: &mut Cursor<'_>) -> Result<ChannelKind, FilmFileError> {
+    match cursor.u8()? {
+        0 => Ok(ChannelKind::Mean),
+        1 => Ok(ChannelKind::Nearest),
+        _ => Err(FilmFileError::Invalid("a channel has an unknown kind")),
+    }
 }
 
 /// The most splats of one pixel in a file. A render can add as many again before a sum overflows.

@@ -9,6 +9,7 @@ use crate::film_sums::FilmSums;
 use crate::splats::Splats;
 use crate::statistics::{Defect, DefectiveSample, Defects};
 use crate::tile::Tile;
+use etendue_integrators::ChannelKind;
 
 impl FilmSums {
     /// Writes the sums, tile by tile. Other threads may add to the film meanwhile.
@@ -72,6 +73,11 @@ impl FilmSums {
         for name in self.channel_names() {
             push_text(&mut bytes, name);
         }
+        push_length(&mut bytes, self.channel_kinds().len());
+        bytes.extend(self.channel_kinds().iter().map(|kind| match kind {
+            ChannelKind::Mean => 0,
+            ChannelKind::Nearest => 1,
+        }));
         bytes
     }
 }
@@ -84,6 +90,13 @@ fn push_tile(bytes: &mut Vec<u8>, tile: &Tile) {
     }
     push_sums(bytes, &tile.sums);
     push_sums(bytes, &tile.squares);
+    if !tile.nearest.is_empty() {
+        for pixel in 0..tile.counts.len() {
+            let (key, values) = tile.nearest.pixel(pixel);
+            bytes.extend(key.raw().iter().flat_map(|number| number.to_le_bytes()));
+            bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        }
+    }
 }
 
 fn push_defects(bytes: &mut Vec<u8>, defects: &Defects) {

@@ -59,6 +59,12 @@ pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageErro
     Ok(Part { header: first, channels })
 }
 
+/// The headers of all parts. The file may end after them.
+pub(super) fn read_headers(bytes: &[u8]) -> Result<Vec<Header>, ImageError> {
+    let meta_data = guarded(|| MetaData::read_from_buffered(Cursor::new(bytes), false))?;
+    Ok(meta_data.headers.into_vec())
+}
+
 /// Calls the `exr` crate, and turns panics into errors: its checks are incomplete, and some
 /// malformed files fail its assertions or index out of bounds.
 fn guarded<T>(read: impl FnOnce() -> exr::error::Result<T>) -> Result<T, ImageError> {

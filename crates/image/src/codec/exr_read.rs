@@ -6,7 +6,7 @@ use exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use super::exr_part::{FORMAT, read_part};
+use super::exr_part::{FORMAT, read_headers, read_part};
 use super::exr_write::STRUCTURAL;
 use crate::picture::{degenerate_chromaticities, find_main_layer};
 use crate::primaries::to_bt709;
@@ -63,6 +63,12 @@ pub(super) fn decode_picture(bytes: &[u8], limits: &Limits) -> Result<Picture, I
     picture.channels =
         named.map(|(name, samples)| Channel { name, data: into_floats(samples) }).collect();
     Ok(picture)
+}
+
+/// The metadata of the first part; empty if the header is not valid.
+pub(super) fn metadata_of_file(bytes: &[u8]) -> Vec<(String, MetadataValue)> {
+    let headers = read_headers(bytes).unwrap_or_default();
+    headers.first().map_or_else(Vec::new, metadata)
 }
 
 fn channel_names(header: &Header) -> Vec<String> {

@@ -7,6 +7,9 @@ use crate::{MetadataValue, Picture};
 /// The length of the signature before the first chunk.
 const SIGNATURE: usize = 8;
 
+/// The keyword of programs, and their name in metadata.
+const SOFTWARE: (&str, &str) = ("Software", "software");
+
 /// The longest keyword of a text in bytes.
 const MAX_KEYWORD: usize = 79;
 
@@ -40,15 +43,16 @@ pub(super) fn annotate(png: Vec<u8>, picture: &Picture) -> Vec<u8> {
             MetadataValue::Integer(number) => number.to_string(),
             _ => continue,
         };
-        let keyword = if name == "software" { "Software" } else { name };
+        // The keyword that the specification has for programs.
+        let keyword = if name == SOFTWARE.1 { SOFTWARE.0 } else { name };
         push_text(&mut annotated, keyword, &text);
     }
     annotated.extend_from_slice(rest);
     annotated
 }
 
-/// The texts of a file, by keyword. Compressed texts are left out.
-pub fn texts(png: &[u8]) -> Vec<(String, String)> {
+/// The texts of a file, by name. Compressed texts are left out.
+pub(super) fn texts(png: &[u8]) -> Vec<(String, String)> {
     chunks(png)
         .filter_map(|(kind, _, data)| {
             let end = data.iter().position(|byte| *byte == 0)?;
@@ -63,7 +67,9 @@ pub fn texts(png: &[u8]) -> Vec<(String, String)> {
                 }
                 _ => return None,
             };
-            Some((latin1(keyword), text))
+            let keyword: String = latin1(keyword);
+            let name = if keyword == SOFTWARE.0 { SOFTWARE.1.to_owned() } else { keyword };
+            Some((name, text))
         })
         .collect()
 }
@@ -116,7 +122,7 @@ mod tests {
         ];
         let png = encode(&picture, FileFormat::Png, &EncodeOptions::default()).unwrap();
         let expected =
-            [("Software", "Etendue"), ("samplesPerPixel", "64"), ("scene", "杯子/scene.xml")];
+            [("software", "Etendue"), ("samplesPerPixel", "64"), ("scene", "杯子/scene.xml")];
         let expected = expected.map(|(a, b)| (a.to_owned(), b.to_owned()));
         assert_eq!(texts(&png), expected);
         let kinds: Vec<[u8; 4]> = chunks(&png).map(|(kind, ..)| kind).collect();
