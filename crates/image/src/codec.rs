@@ -2,6 +2,7 @@
 
 mod common;
 mod display;
+mod exr_chroma;
 mod exr_part;
 mod exr_read;
 mod exr_write;
@@ -54,11 +55,11 @@ pub fn decode_with_limits(
 }
 
 /// Decodes all channels and all metadata of the first part of an OpenEXR file, within the default
-/// [`Limits`]. Integer channels become floats, which is exact up to 2²⁴.
+/// [`Limits`]. Integer channels become floats, which is exact up to 2²⁴. Luminance and chroma become red,
+/// green and blue.
 ///
 /// # Errors
-/// [`ImageError`] for another format, a malformed file, deep data, subsampled channels, or an image
-/// that is too large.
+/// [`ImageError`] for another format, a malformed file, deep data, or an image that is too large.
 pub fn decode_exr_layers(bytes: &[u8]) -> Result<Picture, ImageError> {
     decode_exr_layers_with_limits(bytes, &Limits::default())
 }

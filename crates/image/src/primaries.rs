@@ -34,6 +34,13 @@ pub(crate) fn to_bt709(points: &[f32; 8]) -> Result<Option<Matrix>, ImageError> 
     }
 }
 
+/// The shares of red, green and blue in luminance; those of BT.709 for degenerate points.
+pub(crate) fn luminance_weights(points: &[f32; 8]) -> [f32; 3] {
+    let row = xyz_of_rgb(points).or_else(|| xyz_of_rgb(&BT709)).map(|matrix| matrix[1]);
+    // The primaries of BT.709 are not degenerate.
+    row.unwrap_or([0.2126, 0.7152, 0.0722]).map(|weight| weight as f32)
+}
+
 type Matrix64 = [[f64; 3]; 3];
 
 /// The matrix from linear RGB to CIE XYZ, where white has Y = 1. `None` for degenerate points.

@@ -203,3 +203,106 @@ fn bt709_stays_the_same_to_the_bit_and_degenerate_primaries_are_said() {
         }
     }
 }
+
+/// A file of luminance and chroma, of which every other row and column has none.
+fn luminance_and_chroma(compress: Option<fn(&[u8]) -> Vec<u8>>) -> Vec<u8> {
+    let mut file = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
+    let attribute = |file: &mut Vec<u8>, name: &str, kind: &str, value: &[u8]| {
+        file.extend_from_slice(format!("{name}\0{kind}\0").as_bytes());
+        file.extend_from_slice(&(value.len() as u32).to_le_bytes());
+        file.extend_from_slice(value);
+    };
+    let mut channels = Vec::new();
+    for (name, distance) in [("BY", 2_i32), ("RY", 2), ("Y", 1)] {
+        channels.extend_from_slice(format!("{name}\0").as_bytes());
+        for number in [1, 0, distance, distance] {
+            channels.extend_from_slice(&number.to_le_bytes());
+        }
+    }
+    channels.push(0);
+    let numbers =
+        |numbers: &[i32]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<_>>();
+    let window = numbers(&[0, 0, 3, 3]);
+    attribute(&mut file, "channels", "chlist", &channels);
+    attribute(&mut file, "compression", "compression", &[if compress.is_some() { 3 } else { 0 }]);
+    attribute(&mut file, "dataWindow", "box2i", &window);
+    attribute(&mut file, "displayWindow", "box2i", &window);
+    attribute(&mut file, "lineOrder", "lineOrder", &[0]);
+    attribute(&mut file, "pixelAspectRatio", "float", &1.0_f32.to_le_bytes());
+    attribute(&mut file, "screenWindowCenter", "v2f", &[0; 8]);
+    attribute(&mut file, "screenWindowWidth", "float", &1.0_f32.to_le_bytes());
+    file.push(0);
+    let halves = |values: &[f32]| -> Vec<u8> {
+        values.iter().flat_map(|value| exrs::f16::from_f32(*value).to_le_bytes()).collect()
+    };
+    // Chroma of zero on the left, and a red of twice the luminance on the right.
+    let rows = (0..4).map(|row| {
+        let luminance = halves(&[0.25, 0.25, 0.5, 0.5]);
+        let chroma = [halves(&[0.0, 0.0]), halves(&[0.0, 1.0])].concat();
+        if row % 2 == 0 { [chroma, luminance].concat() } else { luminance }
+    });
+    let blocks: Vec<Vec<u8>> = match compress {
+        None => rows.collect(),
+        Some(compress) => vec![compress(&rows.collect::<Vec<_>>().concat())],
+    };
+    let mut offset = file.len() + 8 * blocks.len();
+    for block in &blocks {
+        file.extend_from_slice(&(offset as u64).to_le_bytes());
+        offset += 8 + block.len();
+    }
+    for (index, block) in blocks.iter().enumerate() {
+        file.extend_from_slice(&numbers(&[index as i32, block.len() as i32]));
+        file.extend_from_slice(block);
+    }
+    file
+}
+
+/// The compression of blocks of sixteen rows.
+fn zip(raw: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let halves = [0, 1].map(|start| raw.iter().skip(start).step_by(2).copied());
+    let mut bytes: Vec<u8> = halves.into_iter().flatten().collect();
+    for index in (1..bytes.len()).rev() {
+        bytes[index] = bytes[index].wrapping_sub(bytes[index - 1]).wrapping_add(128);
+    }
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    encoder.write_all(&bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+#[test]
+fn luminance_and_chroma_become_red_green_and_blue() {
+    for compress in [None, Some(zip as fn(&[u8]) -> Vec<u8>)] {
+        let bytes = luminance_and_chroma(compress);
+        let picture = decode_picture(&bytes, "").unwrap();
+        assert!(picture.warnings[0].contains("luminance and chroma"), "{:?}", picture.warnings);
+        for row in [0, 1, 3] {
+            let color = |column: usize| {
+                ["R", "G", "B"].map(|name| picture.channel(name).unwrap().data[row * 4 + column])
+            };
+            let close = |found: [f32; 3], expected: [f32; 3]| {
+                found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4)
+            };
+            assert!(close(color(0), [0.25; 3]), "{:?}", color(0));
+            // Half of the way between the samples of the chroma.
+            let green = |luminance: f32, red: f32| {
+                (luminance - 0.212_639 * red - 0.072_192 * luminance) / 0.715_169
+            };
+            assert!(close(color(1), [0.375, green(0.25, 0.375), 0.25]), "{:?}", color(1));
+            for column in [2, 3] {
+                assert!(close(color(column), [1.0, green(0.5, 1.0), 0.5]), "{:?}", color(column));
+            }
+        }
+        let bitmap = decode(&bytes, "").unwrap();
+        assert_eq!((bitmap.channels, bitmap.warnings.len()), (3, 1));
+        // No part of the file makes the reader panic.
+        for index in 8..bytes.len() {
+            for value in [0, 1, 3, 0x7f, 0xff] {
+                let mut changed = bytes.clone();
+                changed[index] = value;
+                let _ = decode_picture(&changed, "");
+            }
+            let _ = decode_picture(&bytes[..index], "");
+        }
+    }
+}

@@ -17,6 +17,7 @@ use exr::prelude::Compression;
 use half::f16;
 use rayon::prelude::*;
 
+use super::exr_chroma::{Sampled, convert_to_rgb};
 use crate::{ImageError, Limits};
 
 /// The format's name in messages.
@@ -33,12 +34,23 @@ pub(super) struct Part {
     pub(super) header: Header,
     /// Samples of the whole data window, for each channel of the header.
     pub(super) channels: Vec<FlatSamples>,
+    /// How the channels differ from those of the file, for people.
+    pub(super) warnings: Vec<String>,
 }
 
 /// Checks the headers, then reads the channels of the first part at full resolution.
 pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageError> {
+    let part = match Sampled::find(bytes) {
+        Some(sampled) => sampled.read_part(limits)?,
+        None => read_full(bytes, limits)?,
+    };
+    Ok(convert_to_rgb(part))
+}
+
+/// Reads channels that have a sample for each pixel.
+fn read_full(bytes: &[u8], limits: &Limits) -> Result<Part, ImageError> {
     let reader = guarded(|| exr::block::read(Cursor::new(bytes), false))?;
-    let first = check_headers(reader.headers(), bytes.len(), limits)?.clone();
+    let first = check_headers(reader.headers(), bytes.len(), limits, &[])?.clone();
     let channels = guarded(|| {
         let mut channels = allocate(&first);
         let meta_data = reader.meta_data().clone();
@@ -56,7 +68,7 @@ pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageErro
             }
         }
     })?;
-    Ok(Part { header: first, channels })
+    Ok(Part { header: first, channels, warnings: Vec::new() })
 }
 
 /// The headers of all parts. The file may end after them.
@@ -67,7 +79,7 @@ pub(super) fn read_headers(bytes: &[u8]) -> Result<Vec<Header>, ImageError> {
 
 /// Calls the `exr` crate, and turns panics into errors: its checks are incomplete, and some
 /// malformed files fail its assertions or index out of bounds.
-fn guarded<T>(read: impl FnOnce() -> exr::error::Result<T>) -> Result<T, ImageError> {
+pub(super) fn guarded<T>(read: impl FnOnce() -> exr::error::Result<T>) -> Result<T, ImageError> {
     // Nothing that `read` has modified is used after a panic.
     match catch_unwind(AssertUnwindSafe(read)) {
         Ok(Ok(value)) => Ok(value),
@@ -80,10 +92,12 @@ fn guarded<T>(read: impl FnOnce() -> exr::error::Result<T>) -> Result<T, ImageEr
 }
 
 /// Rejects unsupported features, and sizes that the file cannot hold. Returns the first header.
-fn check_headers<'a>(
+/// `sampling` has the distances of its channels' samples, if they are not one.
+pub(super) fn check_headers<'a>(
     headers: &'a [Header],
     file_size: usize,
     limits: &Limits,
+    sampling: &[Vec2<usize>],
 ) -> Result<&'a Header, ImageError> {
     let malformed = |message: &str| ImageError::malformed(FORMAT, message);
     let mut table_bytes: u64 = 0;
@@ -98,18 +112,18 @@ fn check_headers<'a>(
     }
     let header = headers.first().ok_or_else(|| malformed("it has no parts"))?;
     let list = &header.channels.list;
-    if list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
-        let message = "subsampled channels (luminance and chroma)";
-        return Err(ImageError::unsupported(FORMAT, message));
-    }
     let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
     if list.is_empty() || width == 0 || height == 0 {
         return Err(malformed("it has no samples"));
     }
     limits.check(width, height, list.len() as u64, 4)?;
-    let pixel_bytes: u64 = list.iter().map(|c| c.sample_type.bytes_per_sample() as u64).sum();
+    let distances = sampling.iter().copied().chain(std::iter::repeat(Vec2(1, 1)));
+    let channel_bytes = list.iter().zip(distances).map(|(channel, distance)| {
+        let samples = (width / distance.x().max(1) as u64) * (height / distance.y().max(1) as u64);
+        samples * channel.sample_type.bytes_per_sample() as u64
+    });
     let possible = max_expansion(header.compression).saturating_mul(file_size as u64);
-    if width * height * pixel_bytes > possible {
+    if channel_bytes.sum::<u64>() > possible {
         let message = format!("{file_size} bytes cannot hold {width}x{height} pixels");
         return Err(malformed(&message));
     }

@@ -24,7 +24,7 @@ pub(super) fn decode_bitmap(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Ima
     })?;
     let indices = channel_indices(&main);
     let selected: Vec<&FlatSamples> = indices.iter().map(|&index| &part.channels[index]).collect();
-    let mut warnings = Vec::new();
+    let mut warnings = part.warnings;
     let chromaticities = part.header.shared_attributes.chromaticities;
     let points = chromaticities.as_ref().map(points).filter(|_| !main.is_grey);
     let to_bt709 = points.and_then(|points| {
@@ -59,6 +59,7 @@ pub(super) fn decode_picture(bytes: &[u8], limits: &Limits) -> Result<Picture, I
         height: dimension(display.size.height())?,
     };
     picture.metadata = metadata(&part.header);
+    picture.warnings = part.warnings;
     let named = channel_names(&part.header).into_iter().zip(part.channels);
     picture.channels =
         named.map(|(name, samples)| Channel { name, data: into_floats(samples) }).collect();
@@ -111,7 +112,7 @@ fn interleave_planes<T: Copy>(planes: &[&[T]]) -> Vec<T> {
     samples
 }
 
-fn into_floats(samples: FlatSamples) -> Vec<f32> {
+pub(super) fn into_floats(samples: FlatSamples) -> Vec<f32> {
     match samples {
         FlatSamples::F32(values) => values,
         FlatSamples::F16(values) => values.to_f32_vec(),
@@ -148,7 +149,7 @@ fn metadata_value(value: &AttributeValue) -> Option<MetadataValue> {
 }
 
 /// x and y of red, green, blue and white.
-fn points(value: &Chromaticities) -> [f32; 8] {
+pub(super) fn points(value: &Chromaticities) -> [f32; 8] {
     let (red, green, blue, white) = (value.red, value.green, value.blue, value.white);
     [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1]
 }

@@ -8,7 +8,8 @@ use crate::repository::root;
 const INTRODUCTION: &str = include_str!("command_line.md");
 
 /// The subcommands, in the order of the page.
-const SUBCOMMANDS: [&str; 6] = ["render", "merge", "check", "info", "diff", "convert"];
+const SUBCOMMANDS: [&str; 8] =
+    ["render", "merge", "check", "info", "diff", "convert", "completions", "man"];
 
 /// The text of the page. Builds the `etendue` command if needed.
 pub(super) fn page() -> Result<String, String> {
