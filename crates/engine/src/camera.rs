@@ -104,6 +104,10 @@ impl SampleSource for Camera {
         self.integrator.channel_kinds()
     }
 
+    fn is_out_of_gamut(&self) -> bool {
+        self.scene.is_out_of_gamut()
+    }
+
     fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
         channels.fill(0.0);
         let (mut rays, responses) = self.start(ids);

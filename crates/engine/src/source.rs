@@ -31,6 +31,11 @@ pub trait SampleSource: Sync {
     /// come with any content, and each is overwritten.
     fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>);
 
+    /// Whether light may be negative in some channel. Otherwise such samples are defects.
+    fn is_out_of_gamut(&self) -> bool {
+        false
+    }
+
     /// The splats that belong to the samples, if there are any.
     fn splats(&self) -> Option<&dyn SplatSource> {
         None

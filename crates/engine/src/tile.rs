@@ -36,6 +36,8 @@ pub(crate) struct Tile {
     /// The index of every pixel's next sample.
     pub(crate) next_sample: u32,
     pub(crate) defects: Defects,
+    /// Whether samples of negative light are kept, instead of being defects.
+    pub(crate) keeps_negative: bool,
 }
 
 /// What the tiles of a film have in common.
@@ -86,6 +88,7 @@ impl Tile {
             counts: vec![0; pixel_count],
             next_sample: kind.first_sample,
             defects: Defects::default(),
+            keeps_negative: false,
         }
     }
 
@@ -159,7 +162,9 @@ impl Tile {
 
     #[inline(always)]
     fn add_one<V: Simd>(&mut self, simd: V, id: SampleId, sample: &Sample, channels: &[f32]) {
-        if let Some(defect) = find_defect(sample, channels) {
+        let defect = find_defect(sample, channels);
+        let is_kept = defect == Some(Defect::Negative) && self.keeps_negative;
+        if let Some(defect) = defect.filter(|_| !is_kept) {
             self.defects.add(defect, id);
             return;
         }

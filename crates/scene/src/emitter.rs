@@ -78,6 +78,11 @@ pub(crate) trait Light {
         false
     }
 
+    /// Whether its light is negative in some channel: a colour beyond the primaries of BT.709.
+    fn is_out_of_gamut(&self) -> bool {
+        false
+    }
+
     /// See [`Emitter::sample_direction`].
     fn sample_direction(
         &self,
@@ -343,6 +348,12 @@ impl Emitter {
     #[must_use]
     pub fn is_environment(&self) -> bool {
         with_light!(self, light => light.is_environment())
+    }
+
+    /// Whether its light is negative in some channel: a colour beyond the primaries of BT.709.
+    #[must_use]
+    pub fn is_out_of_gamut(&self) -> bool {
+        with_light!(self, light => light.is_out_of_gamut())
     }
 
     /// How lanes sample this emitter.

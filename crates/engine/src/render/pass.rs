@@ -17,11 +17,14 @@ pub(super) fn render_pass<S: SampleSource>(
     end: u32,
     clock: &PassClock<'_>,
 ) {
+    let keeps_negative = source.is_out_of_gamut();
     // Threads take single tiles from each other: rayon's own grain would hand out long runs of
     // tiles, whose cost may differ by a factor of ten.
     (0..film.tile_count()).into_par_iter().with_max_len(1).for_each(|index| {
         if clock.may_go_on() {
-            clock.count(render_tile(source, &mut film.begin_turn(index), end));
+            let turn = &mut film.begin_turn(index);
+            turn.tile.keeps_negative = keeps_negative;
+            clock.count(render_tile(source, turn, end));
         }
     });
 }

@@ -75,6 +75,8 @@ struct Panorama {
     height: usize,
     /// RGB radiance, row by row from the top.
     texels: Vec<[f32; 3]>,
+    /// Whether colours of wider primaries became negative in those of BT.709.
+    is_out_of_gamut: bool,
     /// Over cells whose corners are four neighbouring texels.
     distribution: Distribution2D,
 }
@@ -101,6 +103,8 @@ fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Pano
     for warning in &bitmap.warnings {
         parameters.warning(Fault::Unsupported, source, format!("{name}: {warning}"));
     }
+    // The light of the file must not be negative, but its colours may be beyond those of BT.709.
+    let is_wide = bitmap.to_bt709.is_some() && !has_negative_color(&bitmap);
     let image = bitmap.to_color_image();
     let size = [image.width as usize, image.height as usize];
     let texels = image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
@@ -108,13 +112,30 @@ fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Pano
         true => Compensation::AboveMean,
         false => Compensation::None,
     };
-    let picture = Panorama::new(size, texels, compensation);
+    let gamut = if is_wide { Gamut::Wide } else { Gamut::Bt709 };
+    let picture = Panorama::new(size, texels, compensation, gamut);
     if picture.is_none() {
         let message =
             format!("{name}: the picture must hold finite values of zero or more, and some light");
         parameters.error(Fault::BadValue, source, message);
     }
     picture
+}
+
+/// Whether a colour of the file is negative in its own primaries.
+fn has_negative_color(bitmap: &Bitmap) -> bool {
+    let values = bitmap.to_raw();
+    let mut pixels = values.chunks_exact(bitmap.channels.max(1) as usize);
+    pixels.any(|pixel| pixel.iter().take(3).any(|value| *value < 0.0))
+}
+
+/// Which values the colours of a picture have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Gamut {
+    /// Zero or more.
+    Bt709,
+    /// Negative ones too, for colours beyond the primaries of BT.709.
+    Wide,
 }
 
 /// The image of the file and the file's name; `None` after an error has been reported.
@@ -161,6 +182,10 @@ impl Light for EnvironmentMap {
         true
     }
 
+    fn is_out_of_gamut(&self) -> bool {
+        self.picture.is_out_of_gamut
+    }
+
     fn sample_direction(
         &self,
         _scene: &impl SceneView,
@@ -199,12 +224,16 @@ impl Panorama {
         [width, height]: [usize; 2],
         texels: Vec<[f32; 3]>,
         compensation: Compensation,
+        gamut: Gamut,
     ) -> Option<Self> {
-        if texels.iter().flatten().any(|x| !x.is_finite() || *x < 0.0) {
+        let has_negative = texels.iter().flatten().any(|value| *value < 0.0);
+        let is_finite = texels.iter().flatten().all(|value| value.is_finite());
+        if !is_finite || has_negative && gamut == Gamut::Bt709 {
             return None;
         }
-        let luminance: Vec<f32> =
-            texels.iter().map(|texel| Spectrum::from_rgb(*texel).luminance()).collect();
+        // Colours beyond those of real lights may have a negative luminance.
+        let luminance = texels.iter().map(|texel| Spectrum::from_rgb(*texel).luminance().max(0.0));
+        let luminance: Vec<f32> = luminance.collect();
         // There is one row of cells less than rows of texels, because the first and last rows of
         // texels lie on the poles.
         let rows = (height - 1).max(1);
@@ -228,7 +257,7 @@ impl Panorama {
             Compensation::AboveMean => compensated(&cells),
         };
         let distribution = Distribution2D::new(&weights, (width as u32, rows as u32)).ok()?;
-        Some(Self { width, height, texels, distribution })
+        Some(Self { width, height, texels, is_out_of_gamut: has_negative, distribution })
     }
 }
 
@@ -298,7 +327,8 @@ mod tests {
     /// Red is the column, green is the row.
     fn counting_map() -> EnvironmentMap {
         let texels = (0..4).flat_map(|y| (0..8).map(move |x| [x as f32, y as f32, 1.0])).collect();
-        let picture = Panorama::new([8, 4], texels, Compensation::None).expect("it is bright");
+        let picture =
+            Panorama::new([8, 4], texels, Compensation::None, Gamut::Bt709).expect("it is bright");
         EnvironmentMap { to_world: Transform::IDENTITY, picture: Arc::new(picture) }
     }
 
@@ -339,7 +369,7 @@ mod tests {
     fn dark_and_broken_pictures_are_refused() {
         for value in [0.0, f32::NAN, -1.0, f32::INFINITY] {
             let texels = vec![[value; 3]; 4];
-            assert!(Panorama::new([2, 2], texels, Compensation::None).is_none());
+            assert!(Panorama::new([2, 2], texels, Compensation::None, Gamut::Bt709).is_none());
         }
     }
 

@@ -17,6 +17,8 @@ pub(crate) struct Texels {
     narrow_codes: &'static [f32; 256],
     /// The decoded value of each 16-bit code; empty for other formats.
     wide_codes: Vec<f32>,
+    /// See [`Texels::are_out_of_gamut`].
+    are_out_of_gamut: bool,
     /// What the file says about its colours and is not followed; nothing for raw data.
     warnings: Vec<String>,
     /// See [`Texels::mean`]; computed on demand because it is rarely needed.
@@ -63,7 +65,10 @@ impl Texels {
     /// Takes the colours of a picture without alpha, or one channel. Samples are neither decoded nor
     /// converted to the primaries of BT.709 if `raw`. Returns `None` if the channel is missing or the picture has no texels.
     pub(crate) fn new(bitmap: Bitmap, channel: Option<Channel>, raw: bool) -> Option<Self> {
+        let is_converted = !raw && bitmap.to_bt709.is_some();
         let mut bitmap = if raw { bitmap } else { bitmap.into_bt709() };
+        let are_out_of_gamut = is_converted
+            && matches!(&bitmap.samples, Samples::F32(values) if values.iter().any(|v| *v < 0.0));
         let warnings = if raw { Vec::new() } else { std::mem::take(&mut bitmap.warnings) };
         let stride = bitmap.channels as usize;
         let is_color = stride >= 3;
@@ -91,6 +96,7 @@ impl Texels {
             samples: keep_channels(bitmap.samples, stride, kept),
             narrow_codes: if encoded { linear_of_srgb_u8() } else { &FRACTIONS },
             wide_codes,
+            are_out_of_gamut,
             warnings,
             mean: OnceLock::new(),
         })
@@ -99,6 +105,11 @@ impl Texels {
     /// Whether the file holds floating-point numbers, which may not be finite.
     pub(crate) fn are_floats(&self) -> bool {
         matches!(self.samples, Samples::F16(_) | Samples::F32(_))
+    }
+
+    /// Whether colours of wider primaries became negative in those of BT.709.
+    pub(crate) fn are_out_of_gamut(&self) -> bool {
+        self.are_out_of_gamut
     }
 
     /// What the file says about its colours and is not followed.

@@ -64,6 +64,15 @@ impl Scene {
         statistics
     }
 
+    /// Whether light may be negative in some channel, because a picture has colours beyond the
+    /// primaries of BT.709.
+    #[must_use]
+    pub fn is_out_of_gamut(&self) -> bool {
+        let mut texels = self.textures.iter().filter_map(Texture::texels);
+        texels.any(|texels| texels.are_out_of_gamut())
+            || self.emitters.iter().any(|emitter| emitter.is_out_of_gamut())
+    }
+
     fn texture_bytes(&self) -> usize {
         let texels = distinct(self.textures.iter().filter_map(Texture::texels).collect());
         self.textures.iter().map(Texture::memory_bytes).sum::<usize>()
