@@ -4,6 +4,7 @@
 mod broken;
 mod checkpoints;
 mod merging;
+mod outputs;
 mod pictures;
 mod render;
 mod run;

@@ -285,3 +285,146 @@ fn help_lists_the_exit_codes() {
     }
     assert!(Workplace::new().succeed(&["--version"]).stdout.starts_with("etendue "));
 }
+
+#[test]
+fn exposure_and_tone_curve_change_what_is_shown_and_nothing_else() {
+    let workplace = Workplace::new();
+    let render = |more: &[&str]| {
+        let scene = small_scene();
+        let names = ["-o", "a.png", "-o", "a.exr", "-o", "a.hdr"];
+        workplace.succeed(&[&["render", &scene, "-q"], &names[..], more].concat());
+        let png = etendue::image::decode(&workplace.read("a.png"), "").unwrap();
+        let mean = png.to_linear().iter().sum::<f32>() / png.to_linear().len() as f32;
+        (mean, exr(&workplace, "a.exr").channels, workplace.read("a.hdr"))
+    };
+    let (plain, values, hdr) = render(&[]);
+    for (more, expected) in [
+        (&["--exposure", "-2"][..], 0.25 * plain),
+        (&["--exposure", "0", "--tonemap", "none"], plain),
+    ] {
+        let (mean, other, other_hdr) = render(more);
+        assert!((mean - expected).abs() < 0.01 * plain, "{more:?}: {mean} {expected}");
+        assert!(other == values && other_hdr == hdr, "{more:?}");
+    }
+    for curve in ["aces", "agx", "filmic"] {
+        let (mean, other, _) = render(&["--tonemap", curve]);
+        assert!((mean - plain).abs() > 0.02 * plain, "{curve}: {mean} {plain}");
+        assert!(other == values, "{curve}");
+    }
+    workplace.fail(&["render", &small_scene(), "--exposure", "inf", "-o", "b.png"]);
+}
+
+/// Two rectangles whose edge crosses pixels, and their indices.
+const INDICES: &str = r#"<scene version="3.0.0">
+  <integrator type="aov"><string name="aovs" value="shape:shape_index, prim_index, depth"/>
+    <integrator type="path"/></integrator>
+  <sensor type="perspective">
+    <transform name="to_world"><lookat origin="0.03, 0.05, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="20"/>
+      <rfilter type="gaussian"/></film>
+    <sampler type="independent"><integer name="sample_count" value="16"/></sampler>
+  </sensor>
+  <emitter type="constant"/>
+  <shape type="rectangle"><transform name="to_world"><rotate z="1" angle="20"/></transform></shape>
+  <shape type="sphere"><float name="radius" value="0.7"/></shape>
+</scene>"#;
+
+#[test]
+fn indices_are_whole_numbers_whatever_the_division_of_samples() {
+    let workplace = Workplace::new();
+    fs::write(workplace.path("s.xml"), INDICES).unwrap();
+    workplace.succeed(&["render", "s.xml", "-q", "-o", "a.exr", "-t", "1"]);
+    let whole = exr(&workplace, "a.exr");
+    for (name, most) in [("shape.I", 2.0), ("prim_index.I", 1.0)] {
+        let data = &whole.channel(name).unwrap().data;
+        assert!(data.iter().all(|value| value.fract() == 0.0 && *value <= most), "{name}");
+        assert!(data.contains(&0.0) && data.contains(&most), "{name}");
+    }
+    // Distances are still means: some pixel on the edge lies between.
+    let depth = &whole.channel("depth.T").unwrap().data;
+    assert!(depth.iter().any(|value| *value > 0.1 && *value < 3.0));
+    for (samples, name) in [("0..5", "0.part"), ("5..16", "1.part")] {
+        workplace.succeed(&["render", "s.xml", "-q", "--samples", samples, "-o", name]);
+    }
+    workplace.succeed(&["merge", "-q", "1.part", "0.part", "-o", "b.exr"]);
+    assert_eq!(exr(&workplace, "b.exr").channels, whole.channels);
+}
+
+/// A lamp of radiance 10³⁰ that is seen through a wide filter.
+const BRIGHT: &str = r#"<scene version="3.0.0"><integrator type="path"/>
+  <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0"
+    up="0, 1, 0"/></transform><film type="hdrfilm"><integer name="width" value="16"/>
+    <integer name="height" value="16"/></film>
+    <sampler type="independent"><integer name="sample_count" value="8"/></sampler></sensor>
+  <shape type="sphere"><emitter type="area"><rgb name="radiance" value="1e30"/></emitter></shape>
+</scene>"#;
+
+#[test]
+fn variances_beyond_single_precision_are_clamped_and_said() {
+    let workplace = Workplace::new();
+    fs::write(workplace.path("s.xml"), BRIGHT).unwrap();
+    let outcome = workplace.succeed(&["render", "s.xml", "--variance", "-o", "a.exr"]);
+    assert!(outcome.stderr.contains("beyond single precision"), "{}", outcome.stderr);
+    let picture = exr(&workplace, "a.exr");
+    let variance = &picture.channel("variance.R").unwrap().data;
+    assert!(variance.contains(&f32::MAX) && variance.iter().all(|value| value.is_finite()));
+}
+
+/// A wall lit evenly, whose texture has a colour of the primaries of BT.2020 that BT.709 lacks.
+const WIDE: &str = r#"<scene version="3.0.0"><integrator type="path"/>
+  <sensor type="perspective"><transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0"
+    up="0, 1, 0"/></transform><film type="hdrfilm"><integer name="width" value="8"/>
+    <integer name="height" value="8"/></film>
+    <sampler type="independent"><integer name="sample_count" value="4"/></sampler></sensor>
+  <emitter type="constant"/>
+  <shape type="rectangle"><transform name="to_world"><scale value="9"/></transform>
+    <bsdf type="diffuse"><texture type="bitmap" name="reflectance">
+      <string name="filename" value="wide.exr"/><boolean name="raw" value="$raw"/></texture></bsdf>
+  </shape></scene>"#;
+
+#[test]
+fn textures_of_wider_primaries_keep_their_colour() {
+    let workplace = Workplace::new();
+    fs::write(workplace.path("s.xml"), WIDE).unwrap();
+    let mut texture = Picture::new(1, 1);
+    for (name, value) in [("R", 0.05), ("G", 0.8), ("B", 0.05)] {
+        texture.push(name, vec![value]);
+    }
+    let points = [0.708, 0.292, 0.17, 0.797, 0.131, 0.046, 0.3127, 0.329];
+    let points = MetadataValue::Chromaticities(points);
+    texture.metadata.push(("chromaticities".to_owned(), points));
+    let options = etendue::image::EncodeOptions::default();
+    let bytes =
+        etendue::image::encode(&texture, etendue::image::FileFormat::Exr, &options).unwrap();
+    fs::write(workplace.path("wide.exr"), bytes).unwrap();
+    let render = |raw: &str| {
+        workplace.succeed(&["render", "s.xml", "-D", &format!("raw={raw}"), "-o", "a.exr"]);
+        let picture = exr(&workplace, "a.exr");
+        ["R", "G", "B"].map(|name| picture.channel(name).unwrap().data[27])
+    };
+    // The matrix of BT.2087, on (0.05, 0.8, 0.05).
+    let expected = [-0.3907, 0.8997, -0.0255];
+    for (found, expected) in render("false").into_iter().zip(expected) {
+        assert!((found - expected).abs() < 2e-3, "{found} {expected}");
+    }
+    for (found, expected) in render("true").into_iter().zip([0.05, 0.8, 0.05]) {
+        assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+    }
+}
+
+#[test]
+fn completions_and_the_manual_name_every_command() {
+    let workplace = Workplace::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = workplace.succeed(&["completions", shell]).stdout;
+        for word in ["render", "convert", "fail-above", "skip-existing"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    workplace.fail(&["completions", "cmd"]);
+    let page = workplace.succeed(&["man"]).stdout;
+    assert!(page.contains(".TH etendue 1"), "{page}");
+    for name in ["RENDER", "MERGE", "DIFF", "COMPLETIONS"] {
+        assert!(page.contains(&format!("ETENDUE {name}")), "{name}");
+    }
+}
