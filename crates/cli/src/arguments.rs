@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Render scenes to picture files.
     #[command(after_help = AFTER_HELP)]
-    Render(render::Arguments),
+    Render(Box<render::Arguments>),
     /// Merge parts written by `render --samples` into one picture.
     #[command(after_help = AFTER_HELP)]
     Merge(merge::Arguments),

@@ -178,7 +178,7 @@ fn colours_of_other_primaries_become_those_of_bt709() {
 }
 
 const BT2020: [f32; 3] = [1.348_458, 0.439_812, 0.211_242];
-const DISPLAY_P3: [f32; 3] = [1.112_470, 0.478_972, 0.215_613];
+const DISPLAY_P3: [f32; 3] = [1.112_47, 0.478_972, 0.215_613];
 const AP0: [f32; 3] = [1.900_697, 0.381_651, 0.178_819];
 
 #[test]
@@ -204,8 +204,11 @@ fn bt709_stays_the_same_to_the_bit_and_degenerate_primaries_are_said() {
     }
 }
 
+/// Compresses the rows of a block.
+type Compress = fn(&[u8]) -> Vec<u8>;
+
 /// A file of luminance and chroma, of which every other row and column has none.
-fn luminance_and_chroma(compress: Option<fn(&[u8]) -> Vec<u8>>) -> Vec<u8> {
+fn luminance_and_chroma(compress: Option<Compress>) -> Vec<u8> {
     let mut file = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
     let attribute = |file: &mut Vec<u8>, name: &str, kind: &str, value: &[u8]| {
         file.extend_from_slice(format!("{name}\0{kind}\0").as_bytes());
@@ -272,7 +275,7 @@ fn zip(raw: &[u8]) -> Vec<u8> {
 
 #[test]
 fn luminance_and_chroma_become_red_green_and_blue() {
-    for compress in [None, Some(zip as fn(&[u8]) -> Vec<u8>)] {
+    for compress in [None, Some(zip as Compress)] {
         let bytes = luminance_and_chroma(compress);
         let picture = decode_picture(&bytes, "").unwrap();
         assert!(picture.warnings[0].contains("luminance and chroma"), "{:?}", picture.warnings);

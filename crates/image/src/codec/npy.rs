@@ -190,9 +190,9 @@ impl Kind {
 fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), ImageError> {
     let malformed = || ImageError::malformed(FORMAT, "its header is not valid");
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(malformed)?;
-    let (length, start) = match rest {
-        &[1, _, a, b, ..] => (usize::from(u16::from_le_bytes([a, b])), 4),
-        &[2 | 3, _, a, b, c, d, ..] => (u32::from_le_bytes([a, b, c, d]) as usize, 6),
+    let (length, start) = match *rest {
+        [1, _, a, b, ..] => (usize::from(u16::from_le_bytes([a, b])), 4),
+        [2 | 3, _, a, b, c, d, ..] => (u32::from_le_bytes([a, b, c, d]) as usize, 6),
         _ => return Err(malformed()),
     };
     if length > MAX_HEADER {
