@@ -124,7 +124,21 @@ pub fn decode_picture(bytes: &[u8], file_name_hint: &str) -> Result<Picture, Ima
         Samples::F16(_) | Samples::F32(_) => None,
     };
     picture.warnings = bitmap.warnings;
+    picture.metadata = texts(bytes);
     Ok(picture)
+}
+
+/// The texts of a PNG file that any format may keep: names that are not those of the file's structure,
+/// and the first text of each name.
+fn texts(bytes: &[u8]) -> Vec<(String, MetadataValue)> {
+    let mut kept: Vec<(String, MetadataValue)> = Vec::new();
+    for (name, value) in metadata(bytes) {
+        let is_free = !exr_write::STRUCTURAL.contains(&name.as_str());
+        if !name.is_empty() && is_free && !kept.iter().any(|(known, _)| *known == name) {
+            kept.push((name, value));
+        }
+    }
+    kept
 }
 
 /// The names of one to four interleaved channels.

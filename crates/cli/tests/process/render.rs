@@ -382,10 +382,17 @@ const WIDE: &str = r#"<scene version="3.0.0"><integrator type="path"/>
       <string name="filename" value="wide.exr"/><boolean name="raw" value="$raw"/></texture></bsdf>
   </shape></scene>"#;
 
+/// Nothing but the sky, of the same picture.
+const WIDE_SKY: &str = r#"<scene version="3.0.0"><integrator type="path"/>
+  <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="8"/>
+    <integer name="height" value="8"/></film></sensor>
+  <emitter type="envmap"><string name="filename" value="wide.exr"/></emitter></scene>"#;
+
 #[test]
-fn textures_of_wider_primaries_keep_their_colour() {
+fn textures_and_environments_of_wider_primaries_keep_their_colour() {
     let workplace = Workplace::new();
     fs::write(workplace.path("s.xml"), WIDE).unwrap();
+    fs::write(workplace.path("sky.xml"), WIDE_SKY).unwrap();
     let mut texture = Picture::new(1, 1);
     for (name, value) in [("R", 0.05), ("G", 0.8), ("B", 0.05)] {
         texture.push(name, vec![value]);
@@ -397,17 +404,20 @@ fn textures_of_wider_primaries_keep_their_colour() {
     let bytes =
         etendue::image::encode(&texture, etendue::image::FileFormat::Exr, &options).unwrap();
     fs::write(workplace.path("wide.exr"), bytes).unwrap();
-    let render = |raw: &str| {
-        workplace.succeed(&["render", "s.xml", "-D", &format!("raw={raw}"), "-o", "a.exr"]);
+    let render = |arguments: &[&str]| {
+        workplace.succeed(&[&["render", "-q", "-o", "a.exr"], arguments].concat());
         let picture = exr(&workplace, "a.exr");
         ["R", "G", "B"].map(|name| picture.channel(name).unwrap().data[27])
     };
     // The matrix of BT.2087, on (0.05, 0.8, 0.05).
     let expected = [-0.3907, 0.8997, -0.0255];
-    for (found, expected) in render("false").into_iter().zip(expected) {
-        assert!((found - expected).abs() < 2e-3, "{found} {expected}");
+    for arguments in [&["s.xml", "-D", "raw=false"][..], &["sky.xml"]] {
+        for (found, expected) in render(arguments).into_iter().zip(expected) {
+            assert!((found - expected).abs() < 2e-3, "{arguments:?}: {found} {expected}");
+        }
     }
-    for (found, expected) in render("true").into_iter().zip([0.05, 0.8, 0.05]) {
+    for (found, expected) in render(&["s.xml", "-D", "raw=true"]).into_iter().zip([0.05, 0.8, 0.05])
+    {
         assert!((found - expected).abs() < 1e-3, "{found} {expected}");
     }
 }

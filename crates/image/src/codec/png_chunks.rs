@@ -127,6 +127,12 @@ mod tests {
         assert_eq!(texts(&png), expected);
         let kinds: Vec<[u8; 4]> = chunks(&png).map(|(kind, ..)| kind).collect();
         assert_eq!(&kinds[..2], [*b"IHDR", *b"sRGB"]);
+        let again = encode(
+            &crate::decode_picture(&png, "").unwrap(),
+            FileFormat::Png,
+            &EncodeOptions::default(),
+        );
+        assert_eq!(texts(&again.unwrap()), expected);
         // The decoder checks the checksums.
         let read = decode(&png, "").unwrap();
         assert!(read.warnings.is_empty() && read.srgb);
