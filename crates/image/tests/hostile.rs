@@ -5,7 +5,7 @@ use std::path::Path;
 
 use etendue_image::{
     BitDepth, EncodeOptions, ExrCompression, FileFormat, ImageError, Limits, Picture, decode,
-    decode_exr_layers, decode_with_limits, encode,
+    decode_exr_layers, decode_picture, decode_with_limits, encode,
 };
 use exr::prelude as exrs;
 use exr::prelude::WritableImage;
@@ -84,6 +84,8 @@ fn valid_files() -> Vec<(String, Vec<u8>)> {
         files.push((name, foreign_exr(exrs::Vec2(19, 18), compression, blocks)));
     }
     files.push(("plain.tga".into(), tga()));
+    files.push(("plain.webp".into(), foreign(image::ImageFormat::WebP)));
+    files.push(("plain.qoi".into(), foreign(image::ImageFormat::Qoi)));
     files.extend(golden_files());
     files
 }
@@ -105,11 +107,27 @@ fn tga() -> Vec<u8> {
     bytes
 }
 
+/// A file with alpha of a format that is only read.
+fn foreign(format: image::ImageFormat) -> Vec<u8> {
+    let pixel = |x: u32, y: u32| image::Rgba([x as u8, y as u8, (x * y) as u8, (200 + x) as u8]);
+    let picture = image::RgbaImage::from_fn(19, 18, pixel);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, format).unwrap();
+    bytes.into_inner()
+}
+
 /// Decodes a file in every way. The result must be an error or a consistent image.
 fn survive(bytes: &[u8], name: &str) {
     if let Ok(bitmap) = decode(bytes, name) {
         let expected = bitmap.width as usize * bitmap.height as usize * bitmap.channels as usize;
         assert_eq!(bitmap.samples.len(), expected, "{name}");
+    }
+    if let Ok(picture) = decode_picture(bytes, name) {
+        // It can be written again, whatever its texts are. A malformed OpenEXR file may have two
+        // channels of one name.
+        let is_exr = bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]);
+        assert!(is_exr || picture.validate().is_ok(), "{name}");
+        assert!(is_exr || encode(&picture, FileFormat::Exr, &EncodeOptions::default()).is_ok());
     }
     if let Ok(picture) = decode_exr_layers(bytes) {
         // Only duplicate channel names in a malformed file are not rejected.
