@@ -1,8 +1,11 @@
 //! The command line: the subcommands, and the end of every `--help`.
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 
 use crate::commands::{check, convert, diff, info, merge, render};
+use crate::terminal;
 
 /// The text at the end of every `--help`.
 const AFTER_HELP: &str = "\
@@ -10,6 +13,7 @@ Exit codes:
   0    success
   1    rendering or writing failed
   2    invalid arguments or input
+  129  stopped by SIGHUP; finished work was saved
   130  stopped by Ctrl-C; finished work was saved
   143  stopped by SIGTERM; finished work was saved";
 
@@ -42,6 +46,20 @@ pub(crate) enum Command {
     /// Convert a picture to another format.
     #[command(after_help = AFTER_HELP)]
     Convert(convert::Arguments),
+}
+
+/// Prints why the arguments are wrong, or the help that they ask for. What is quoted of them may
+/// contain anything.
+pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
+    let text = error.render();
+    if error.use_stderr() {
+        let message = text.to_string();
+        terminal::error(message.strip_prefix("error: ").unwrap_or(&message).trim_end());
+    } else if let Err(failure) = terminal::result(&text.to_string()) {
+        terminal::error(&failure.message);
+        return ExitCode::from(failure.status.code());
+    }
+    ExitCode::from(error.exit_code() as u8)
 }
 
 #[cfg(test)]

@@ -7,13 +7,13 @@
 
 mod arguments;
 mod checkpoint_writer;
-mod color;
 mod commands;
 mod diagnostics;
 mod failure;
 mod listing;
 mod memory;
 mod output;
+mod output_lock;
 mod outputs;
 mod parsers;
 mod pictures;
@@ -22,6 +22,7 @@ mod replay;
 mod report;
 mod resume;
 mod signals;
+mod style;
 mod terminal;
 mod text;
 mod variances;
@@ -35,7 +36,10 @@ use crate::arguments::{Arguments, Command};
 use crate::failure::{Failure, Status};
 
 fn main() -> ExitCode {
-    let command = Arguments::parse().command;
+    let command = match Arguments::try_parse() {
+        Ok(arguments) => arguments.command,
+        Err(error) => return arguments::refuse(&error),
+    };
     // The panic hook has printed the message already; here the panic only sets the exit code.
     let outcome = catch_unwind(|| run(&command)).unwrap_or(Ok(Status::Failed));
     match outcome {

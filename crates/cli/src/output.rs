@@ -8,6 +8,7 @@ use etendue::durable::{folder_of, temporary_name, write_durably};
 use etendue::image::{FileFormat, ImageError};
 
 use crate::failure::Failure;
+use crate::text;
 
 /// A picture file to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,7 +28,7 @@ impl Target {
                 Some(extension) => format!("`.{extension}` is not a picture format"),
                 None => "the name has no extension, which selects the format".to_owned(),
             };
-            let (path, known) = (path.display(), known.join(", "));
+            let (path, known) = (text::path(path), known.join(", "));
             return Err(Failure::bad_input(format!(
                 "cannot write {path}: {problem}; the formats are {known}"
             )));
@@ -43,7 +44,7 @@ impl Target {
                 .map_err(|error| error.to_string()),
             Err(error) => Err(error.to_string()),
         };
-        let path = self.path.display();
+        let path = text::path(&self.path);
         result.map_err(|reason| Failure::failed(format!("cannot write {path}: {reason}")))
     }
 }
@@ -78,14 +79,16 @@ pub(crate) fn default_names(
 pub(crate) fn probe(path: &Path) -> Result<(), Failure> {
     let tried = if path.is_dir() {
         Err("it is a folder".to_owned())
+    } else if path.exists() && !path.is_file() {
+        Err("it is not a regular file".to_owned())
     } else if !folder_of(path).is_dir() {
-        Err(format!("there is no folder {}", folder_of(path).display()))
+        Err(format!("there is no folder {}", text::path(folder_of(path))))
     } else {
         let temporary = temporary_name(path);
         let made = fs::File::create_new(&temporary).and_then(|_| fs::remove_file(&temporary));
         made.map_err(|error| error.to_string())
     };
-    let path = path.display();
+    let path = text::path(path);
     tried.map_err(|reason| Failure::bad_input(format!("cannot write {path}: {reason}")))
 }
 

@@ -1,5 +1,6 @@
 //! Reads picture files.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use etendue::Files;
@@ -7,13 +8,13 @@ use etendue::document::Resources;
 use etendue::image::{Picture, decode_picture};
 
 use crate::failure::Failure;
+use crate::text;
 
 /// Reads a picture in any supported format.
 pub(crate) fn read(path: &Path) -> Result<Picture, Failure> {
-    let name = path.display().to_string();
-    let bytes = Files::default()
-        .read(path)
-        .map_err(|error| Failure::bad_input(format!("cannot read {name}: {error}")))?;
-    decode_picture(&bytes, &name)
-        .map_err(|error| Failure::bad_input(format!("cannot read {name}: {error}")))
+    let problem = |error: &dyn Display| {
+        Failure::bad_input(format!("cannot read {}: {error}", text::path(path)))
+    };
+    let bytes = Files::default().read(path).map_err(|error| problem(&error))?;
+    decode_picture(&bytes, &path.to_string_lossy()).map_err(|error| problem(&error))
 }

@@ -8,7 +8,7 @@
 //! | part | content |
 //! |---|---|
 //! | magic | the 12 bytes `etendue sums` |
-//! | version of the format | `u32`, today 1 |
+//! | version of the format | `u32`, today 2 |
 //! | length of the header | `u32` |
 //! | header | see below |
 //! | tiles | along the Morton curve of the region's tiles, see below |
@@ -17,12 +17,13 @@
 //!
 //! The header: the list of what decides the picture and the list of notes, each of pairs of texts;
 //! planned samples `u32`; seconds `f64`; region as four `u32`; first sample `u32`; the least number of
-//! samples of any pixel `u32`; side of tiles `u32`; whether there are squares and whether there are
-//! splats, `u8` each; the list of the channels' names.
+//! samples of any pixel `u32`; side of tiles `u32`; whether samples with odd index are summed apart too
+//! and whether there are splats, `u8` each; the list of the channels' names.
 //!
 //! A tile: the index of the next sample `u32`; the counts of the two kinds of defects, `u64` each; the
 //! list of the first defects, each with index, y and x as `u32` and its kind as `u8`; the count of each
-//! pixel `u32`; the sums of each channel of each pixel; the sums of squares. Sums are stored as the
+//! pixel `u32`, and of its samples with odd index if these are summed apart; the sums of each channel of
+//! each pixel; the sums of red, green and blue of the samples with odd index. Sums are stored as the
 //! window of each as `u16`, then the two digits of each as `i64` (`exact_sums`).
 //!
 //! Nothing is compressed, because the sums are noise.

@@ -114,7 +114,7 @@ fn outputs(arguments: &Arguments) -> Result<Vec<Outputs>, Failure> {
         let names = output::default_names(scene, folder, arguments.samples.as_ref());
         let outputs = Outputs::new(&names, product)?;
         if all.contains(&outputs) {
-            let name = names[0].display();
+            let name = text::path(&names[0]);
             return Err(Failure::bad_input(format!("two scenes would be written to {name}")));
         }
         all.push(outputs);
@@ -159,7 +159,7 @@ impl Host<'_> {
             (Some(checkpoint), Some(header)) => {
                 let film = resume::read(checkpoint, header, &job)?;
                 let held = text::counted(film.samples_per_pixel().least as usize, "sample");
-                let name = checkpoint.path().display();
+                let name = text::path(checkpoint.path());
                 self.say(&format!("resuming from {name}: {held} per pixel"));
                 film
             }
@@ -187,7 +187,8 @@ impl Host<'_> {
             (false, true) => ProgressMode::Silent,
             (false, false) => ProgressMode::Default,
         };
-        let display = ProgressDisplay::new(mode);
+        let _locks = run.outputs.lock()?;
+        let display = ProgressDisplay::new(mode, self.signals.cancel());
         let writer = CheckpointWriter {
             job: run.job,
             film: run.film,
@@ -217,7 +218,7 @@ impl Host<'_> {
         let write_started = Instant::now();
         let (status, rendering) = self.write(run, &writer, statistics);
         replay::report(&rendering.statistics.defects);
-        if !arguments.scene.quiet {
+        if status == Status::Success && !arguments.scene.quiet {
             report::written(&rendering, run.outputs);
         }
         if arguments.scene.verbose {
@@ -230,7 +231,7 @@ impl Host<'_> {
             "stopped_early": rendering.statistics.cancelled,
             "written": status == Status::Success,
         }));
-        Ok(status)
+        Ok(status.max(display.status()))
     }
 
     /// Writes the outputs, and removes the checkpoint once all of them are safely written.
@@ -254,12 +255,12 @@ impl Host<'_> {
             } else if let Some(checkpoint) = &run.checkpoint
                 && let Err(error) = checkpoint.remove()
             {
-                let name = checkpoint.path().display();
+                let name = text::path(checkpoint.path());
                 terminal::warning(&format!("cannot remove the obsolete {name}: {error}"));
             }
         }
         if let Some(checkpoint) = run.checkpoint.as_ref().filter(|_| is_saved) {
-            let name = checkpoint.path().display();
+            let name = text::path(checkpoint.path());
             self.say(&format!("{name} holds the samples: --resume continues from them"));
         }
         (status, rendering)
@@ -296,13 +297,13 @@ fn options(arguments: &Arguments, planned: Option<u32>) -> RenderOptions {
         seed: arguments.seed,
         threads: arguments.scene.threads,
         variance: arguments.variance,
-        memory_limit: memory::available(),
+        memory_limit: arguments.scene.memory.or_else(memory::available),
     }
 }
 
 /// Converts an error of the library. All but a failure to start threads are due to the input.
 fn failure(scene: &Path, error: Error) -> Failure {
-    let message = format!("{}: {error}", scene.display());
+    let message = format!("{}: {error}", text::path(scene));
     match error {
         Error::Engine(EngineError::Threads(_)) => Failure::failed(message),
         _ => Failure::bad_input(message),

@@ -4,7 +4,7 @@
 pub(super) const MAGIC: &[u8; 12] = b"etendue sums";
 
 /// The version of the format that is written, and the only one that is read.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 /// Bytes of the checksum.
 pub(super) const CHECKSUM_BYTES: usize = 32;

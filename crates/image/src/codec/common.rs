@@ -10,7 +10,9 @@ use image::codecs::tiff::TiffEncoder;
 use image::{DynamicImage, ImageDecoder, ImageReader};
 
 use super::display::{AlphaMode, display_image};
-use crate::{Bitmap, EncodeOptions, FileFormat, ImageError, Limits, Picture, Samples};
+use crate::{
+    Bitmap, EncodeOptions, FileFormat, ImageError, Limits, Picture, PictureHeader, Samples,
+};
 
 /// The maximum expansion of any format: deflate reaches a factor of 1032, and a palette of one bit
 /// per pixel another 32. A header that claims more is rejected before memory is allocated.
@@ -24,18 +26,41 @@ pub(super) fn decode(
     limits: &Limits,
 ) -> Result<Bitmap, ImageError> {
     let context = Context { name, file_size: bytes.len(), limits };
+    context.read(open(bytes, format, name, limits)?)
+}
+
+/// The size that the header of a file announces.
+pub(super) fn read_header(
+    bytes: &[u8],
+    format: image::ImageFormat,
+    name: &'static str,
+    limits: &Limits,
+) -> Result<PictureHeader, ImageError> {
+    let decoder = open(bytes, format, name, limits)?;
+    Context { name, file_size: bytes.len(), limits }.check_size(&decoder)?;
+    let (width, height) = decoder.dimensions();
+    Ok(PictureHeader { width, height, decoded_bytes: decoder.total_bytes() })
+}
+
+/// Reads the header of a file.
+fn open<'a>(
+    bytes: &'a [u8],
+    format: image::ImageFormat,
+    name: &'static str,
+    limits: &Limits,
+) -> Result<Box<dyn ImageDecoder + 'a>, ImageError> {
     if format == image::ImageFormat::Hdr {
         // Files that start with "#?RGBE" are as common as "#?RADIANCE", which the strict decoder
         // requires.
         let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
-        return context.read(decoder.map_err(|error| read_error(name, error))?);
+        return Ok(Box::new(decoder.map_err(|error| read_error(name, error))?));
     }
     if format == image::ImageFormat::Png {
         check_palette(bytes)?;
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(decoder_limits(limits));
-    context.read(reader.into_decoder().map_err(|error| read_error(name, error))?)
+    Ok(Box::new(reader.into_decoder().map_err(|error| read_error(name, error))?))
 }
 
 /// Rejects a PNG file whose palette contains a partial colour: the decoder would read past its end

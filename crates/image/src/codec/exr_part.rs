@@ -17,7 +17,7 @@ use exr::prelude::Compression;
 use half::f16;
 use rayon::prelude::*;
 
-use crate::{ImageError, Limits};
+use crate::{ImageError, Limits, PictureHeader};
 
 /// The format's name in messages.
 pub(super) const FORMAT: &str = "OpenEXR";
@@ -57,6 +57,20 @@ pub(super) fn read_part(bytes: &[u8], limits: &Limits) -> Result<Part, ImageErro
         }
     })?;
     Ok(Part { header: first, channels })
+}
+
+/// The size that the header of the first part announces.
+pub(super) fn read_header(bytes: &[u8], limits: &Limits) -> Result<PictureHeader, ImageError> {
+    let reader = guarded(|| exr::block::read(Cursor::new(bytes), false))?;
+    let header = check_headers(reader.headers(), bytes.len(), limits)?;
+    let Vec2(width, height) = header.layer_size;
+    let samples = (width as u64 * height as u64).saturating_mul(header.channels.list.len() as u64);
+    Ok(PictureHeader {
+        // The check has found that they fit.
+        width: width as u32,
+        height: height as u32,
+        decoded_bytes: samples.saturating_mul(size_of::<f32>() as u64),
+    })
 }
 
 /// Calls the `exr` crate, and turns panics into errors: its checks are incomplete, and some
