@@ -16,7 +16,8 @@ struct Known {
 
 /// The mean of the estimates in the window around each pixel, as far as there are any; zero without.
 ///
-/// The windows of all pixels overlap evenly, so the mean over the picture stays, apart from its edge.
+/// Beyond the edges the picture goes on mirrored. So each pixel has the same weight in all windows
+/// together, and the mean over the picture stays what it is.
 pub(crate) fn local_means(estimates: &[Option<f64>], width: usize) -> Vec<f64> {
     let known = estimates.iter().map(|estimate| Known {
         sum: estimate.unwrap_or(0.0),
@@ -27,17 +28,29 @@ pub(crate) fn local_means(estimates: &[Option<f64>], width: usize) -> Vec<f64> {
     let mut rows = vec![Known::default(); known.len()];
     for (place, sum) in rows.iter_mut().enumerate() {
         let (row, column) = (place / width, place % width);
-        let window = column.saturating_sub(RADIUS)..=(column + RADIUS).min(width - 1);
-        *sum = total(window.map(|column| known[row * width + column]));
+        *sum = total(window(column, width).map(|column| known[row * width + column]));
     }
     (0..known.len())
         .map(|place| {
             let (row, column) = (place / width, place % width);
-            let window = row.saturating_sub(RADIUS)..=(row + RADIUS).min(height - 1);
-            let Known { sum, count } = total(window.map(|row| rows[row * width + column]));
+            let Known { sum, count } =
+                total(window(row, height).map(|row| rows[row * width + column]));
             sum / f64::from(count.max(1))
         })
         .collect()
+}
+
+/// The places around one of `count` places in a row.
+fn window(center: usize, count: usize) -> impl Iterator<Item = usize> {
+    (center..=center + 2 * RADIUS).map(move |shifted| {
+        let mirrored = match shifted.checked_sub(RADIUS) {
+            None => RADIUS - 1 - shifted,
+            Some(place) if place < count => place,
+            Some(place) => (2 * count - 1).saturating_sub(place),
+        };
+        // Of a picture narrower than the window, the mirrored one ends as well.
+        mirrored.min(count - 1)
+    })
 }
 
 fn total(all: impl Iterator<Item = Known>) -> Known {
@@ -57,19 +70,28 @@ mod tests {
         assert_eq!(local_means(&estimates, 7), vec![1.0; 21]);
         estimates.fill(None);
         assert_eq!(local_means(&estimates, 7), vec![0.0; 21]);
-        // In the first row, at columns 1 and 6.
-        estimates[1] = Some(4.0);
-        estimates[6] = Some(2.0);
-        let row = [4.0, 4.0, 4.0, 4.0, 2.0, 2.0, 2.0];
+        // In the middle row, at columns 0 and 6.
+        estimates[7] = Some(4.0);
+        estimates[13] = Some(2.0);
+        let row = [4.0, 4.0, 4.0, 0.0, 2.0, 2.0, 2.0];
         assert_eq!(local_means(&estimates, 7), row.repeat(3));
     }
 
     #[test]
-    fn windows_end_at_the_edges() {
-        let mut estimates = vec![Some(0.0); 6 * 6];
-        estimates[0] = Some(9.0);
-        let means = local_means(&estimates, 6);
-        assert_eq!([means[0], means[2 * 6 + 2], means[3]], [1.0, 9.0 / 25.0, 0.0]);
+    fn the_mean_over_the_picture_stays() {
+        for place in 0..7 * 6 {
+            let mut estimates = vec![Some(0.0); 7 * 6];
+            estimates[place] = Some(25.0);
+            let sum: f64 = local_means(&estimates, 7).iter().sum();
+            assert!((sum - 25.0).abs() < 1e-9, "{place}: {sum}");
+        }
+    }
+
+    #[test]
+    fn windows_are_mirrored_at_the_edges() {
+        assert!(window(0, 6).eq([1, 0, 0, 1, 2]));
+        assert!(window(4, 6).eq([2, 3, 4, 5, 5]));
+        assert!(window(0, 1).eq([0; 5]));
         assert_eq!(local_means(&[Some(3.0)], 1), [3.0]);
     }
 }

@@ -36,6 +36,8 @@ pub struct PictureHeader {
     pub height: u32,
     /// The bytes of the samples that [`decode`] returns.
     pub decoded_bytes: u64,
+    /// The bytes that [`decode`] needs at its peak.
+    pub decoding_bytes: u64,
 }
 
 /// Reads the header of a file without decoding its samples, within the default [`Limits`].

@@ -39,7 +39,11 @@ pub(super) fn read_header(
     let decoder = open(bytes, format, name, limits)?;
     Context { name, file_size: bytes.len(), limits }.check_size(&decoder)?;
     let (width, height) = decoder.dimensions();
-    Ok(PictureHeader { width, height, decoded_bytes: decoder.total_bytes() })
+    let decoded_bytes = decoder.total_bytes();
+    // The decoder of TIFF copies all samples at the end; the others write them where they stay.
+    let copies = if format == image::ImageFormat::Tiff { 2 } else { 1 };
+    let decoding_bytes = decoded_bytes.saturating_mul(copies);
+    Ok(PictureHeader { width, height, decoded_bytes, decoding_bytes })
 }
 
 /// Reads the header of a file.

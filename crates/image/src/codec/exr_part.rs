@@ -65,11 +65,14 @@ pub(super) fn read_header(bytes: &[u8], limits: &Limits) -> Result<PictureHeader
     let header = check_headers(reader.headers(), bytes.len(), limits)?;
     let Vec2(width, height) = header.layer_size;
     let samples = (width as u64 * height as u64).saturating_mul(header.channels.list.len() as u64);
+    let decoded_bytes = samples.saturating_mul(size_of::<f32>() as u64);
     Ok(PictureHeader {
         // The check has found that they fit.
         width: width as u32,
         height: height as u32,
-        decoded_bytes: samples.saturating_mul(size_of::<f32>() as u64),
+        decoded_bytes,
+        // Planes first, which are then interleaved.
+        decoding_bytes: decoded_bytes.saturating_mul(2),
     })
 }
 

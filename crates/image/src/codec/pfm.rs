@@ -49,7 +49,8 @@ pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError
 pub(super) fn read_header(bytes: &[u8], limits: &Limits) -> Result<PictureHeader, ImageError> {
     let Header { width, height, channels, .. } = parse_header(bytes)?;
     let count = limits.check(width.into(), height.into(), channels.into(), 4)?;
-    Ok(PictureHeader { width, height, decoded_bytes: count as u64 * 4 })
+    let bytes = count as u64 * 4;
+    Ok(PictureHeader { width, height, decoded_bytes: bytes, decoding_bytes: bytes })
 }
 
 /// Encodes the main layer: little endian, grey or RGB, without alpha.

@@ -387,8 +387,8 @@ impl<'a> Assets<'a> {
         Some(mesh)
     }
 
-    /// Decodes a picture that takes about `bytes_per_pixel` in the scene, if the memory that its
-    /// header asks for is left.
+    /// Decodes a picture of which something else is made that takes `bytes_per_pixel`, or none if the
+    /// samples are kept as they are; if the memory for it is left.
     ///
     /// # Errors
     ///
@@ -402,16 +402,17 @@ impl<'a> Assets<'a> {
         let explain =
             |error: &ImageError| (fault_of(error), format!("{}: {error}", path.display()));
         let header = read_header(bytes, &name).map_err(|error| explain(&error))?;
-        let PictureHeader { width, height, decoded_bytes } = header;
-        let kept = bytes_per_pixel * u64::from(width) * u64::from(height);
-        let needed = decoded_bytes.saturating_add(kept);
+        let PictureHeader { width, height, decoded_bytes, decoding_bytes } = header;
+        let kept = decoded_bytes.max(bytes_per_pixel * u64::from(width) * u64::from(height));
+        // What is decoded and what is made of it are in memory together.
+        let made = if bytes_per_pixel > 0 { kept } else { 0 };
+        let needed = decoding_bytes.max(decoded_bytes.saturating_add(made));
         self.budget.claim(needed).map_err(|exceeded| {
             let shown = path.display();
             (Fault::Limit, format!("{shown}: a picture of {width}x{height} pixels: {exceeded}"))
         })?;
         let decoded = decode(bytes, &name);
-        // The decoded samples may be what the scene keeps.
-        self.budget.release(needed - needed.min(kept.max(decoded_bytes)));
+        self.budget.release(needed - kept.min(needed));
         decoded.map_err(|error| explain(&error))
     }
 
