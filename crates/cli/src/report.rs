@@ -28,6 +28,20 @@ pub(crate) fn written(rendering: &Rendering, outputs: &Outputs) {
     ));
 }
 
+/// Warns about variances that single precision cannot hold.
+pub(crate) fn clamped_variances(rendering: &Rendering) {
+    let layers = &rendering.picture.channels;
+    let variances = layers.iter().filter(|layer| layer.name.starts_with("variance."));
+    let values = variances.flat_map(|layer| &layer.data);
+    let count = values.filter(|&&value| value == f32::MAX).count();
+    if count > 0 {
+        terminal::warning(&format!(
+            "{} beyond single precision, written as its greatest number",
+            text::counted(count, "variance")
+        ));
+    }
+}
+
 /// Prints how long each stage took.
 pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration) {
     let milliseconds = |duration: Duration| format!("{:.1} ms", duration.as_secs_f64() * 1e3);

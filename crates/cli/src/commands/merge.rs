@@ -53,6 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let written = outputs.write_pictures(&rendering);
     let written = written.max(outputs.write_parts(&merged.film, &merged.record));
     replay::report_without_command(&rendering.statistics.defects);
+    report::clamped_variances(&rendering);
     if written == Status::Success && !arguments.quiet {
         report::written(&rendering, &outputs);
     }

@@ -218,6 +218,7 @@ impl Host<'_> {
         let write_started = Instant::now();
         let (status, rendering) = self.write(run, &writer, statistics);
         replay::report(&rendering.statistics.defects);
+        report::clamped_variances(&rendering);
         if status == Status::Success && !arguments.scene.quiet {
             report::written(&rendering, run.outputs);
         }

@@ -3,6 +3,9 @@
 
 mod broken;
 mod checkpoints;
+mod docs;
+mod forged;
+mod limits;
 mod merging;
 mod pictures;
 mod render;
@@ -10,3 +13,4 @@ mod run;
 mod scenes;
 #[cfg(unix)]
 mod signals;
+mod terminal;

@@ -127,3 +127,18 @@ fn convert_applies_exposure_and_tone_mapping() {
     workplace.fail(&["convert", "nowhere.exr", "d.png"]);
     workplace.fail(&["convert", "a.exr", "d.png", "--tonemap", "magic"]);
 }
+
+#[test]
+fn variances_beyond_single_precision_are_clamped_and_said() {
+    let workplace = Workplace::new();
+    let scene = "<scene version=\"3.0.0\"><sensor type=\"perspective\"/><shape type=\"sphere\">\
+                 <transform name=\"to_world\"><translate z=\"4\"/></transform></shape>\
+                 <emitter type=\"constant\"><rgb name=\"radiance\" value=\"1e30\"/></emitter></scene>";
+    std::fs::write(workplace.path("a.xml"), scene).unwrap();
+    let size = ["--size", "16x16", "--spp", "8", "--variance"];
+    let outcome =
+        workplace.succeed(&[&["render", "a.xml", "-q", "-o", "a.exr"], &size[..]].concat());
+    assert!(outcome.stderr.contains("beyond single precision"), "{}", outcome.stderr);
+    let picture = etendue::image::decode_exr_layers(&workplace.read("a.exr")).unwrap();
+    assert!(picture.channels.iter().flat_map(|layer| &layer.data).all(|value| value.is_finite()));
+}
