@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use etendue::document::printable;
 
 use crate::commands::{check, convert, diff, info, merge, render};
 use crate::terminal;
@@ -48,10 +49,13 @@ pub(crate) enum Command {
     Convert(convert::Arguments),
 }
 
-/// Prints why the arguments are wrong, or the help that they ask for. What is quoted of them may
-/// contain anything.
+/// Prints why the arguments are wrong, or the help that they ask for.
 pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
-    let text = error.render();
+    // The message quotes arguments, which may contain anything: it is made again with printable ones.
+    let arguments = std::env::args_os();
+    let printable = arguments.map(|argument| printable(&argument.to_string_lossy()).into_owned());
+    let quoted = Arguments::try_parse_from(printable);
+    let text = quoted.as_ref().err().unwrap_or(error).render();
     if error.use_stderr() {
         let message = text.to_string();
         terminal::error(message.strip_prefix("error: ").unwrap_or(&message).trim_end());

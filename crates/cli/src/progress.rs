@@ -161,24 +161,17 @@ fn line_interval(elapsed: Duration) -> Duration {
     (elapsed / 8).clamp(LINE_INTERVALS[0], LINE_INTERVALS[1])
 }
 
-/// ` 25.0 %  2.00 M of 8.00 Msamples, 500 k/s, 4.00 s gone, 12 s left`.
+/// ` 25.0 %  2.00 M of 8.00 M, 500 ksamples/s, 4.00 s gone, 12 s left`.
 fn describe(progress: &Progress) -> String {
     let percent = progress.fraction() * 100.0;
-    let done = text::scaled(progress.samples_done as f64);
-    let samples = match progress.samples_total {
-        Some(total) => format!("{}of {}samples", spaced(&done), text::scaled(total as f64)),
-        None => format!("{done}samples"),
-    };
+    let scaled = |count: u64| text::scaled(count as f64).trim_end().to_owned();
+    let total = progress.samples_total.map(|total| format!(" of {}", scaled(total)));
+    let done = scaled(progress.samples_done) + &total.unwrap_or_default();
     let rate = text::scaled(progress.rate());
     let gone = text::duration(progress.elapsed);
     let left = progress.time_left().map(|left| format!(", {} left", text::duration(left)));
     let left = left.unwrap_or_default();
-    format!("{percent:5.1} %  {samples}, {}/s, {gone} gone{left}", rate.trim_end())
-}
-
-/// A number that a word follows instead of a unit.
-fn spaced(number: &str) -> String {
-    format!("{} ", number.trim_end())
+    format!("{percent:5.1} %  {done}, {rate}samples/s, {gone} gone{left}")
 }
 
 #[cfg(test)]
@@ -196,11 +189,11 @@ mod tests {
         };
         assert_eq!(
             describe(&progress),
-            " 25.0 %  2.00 M of 8.00 Msamples, 500 k/s, 4.00 s gone, 12 s left"
+            " 25.0 %  2.00 M of 8.00 M, 500 ksamples/s, 4.00 s gone, 12 s left"
         );
         let timed =
             Progress { samples_total: None, time_limit: Some(Duration::from_secs(6)), ..progress };
-        assert_eq!(describe(&timed), " 66.7 %  2.00 Msamples, 500 k/s, 4.00 s gone, 2.00 s left");
+        assert_eq!(describe(&timed), " 66.7 %  2.00 M, 500 ksamples/s, 4.00 s gone, 2.00 s left");
     }
 
     #[test]

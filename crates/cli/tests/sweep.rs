@@ -1,6 +1,10 @@
 //! Every parameter of every plugin with extreme values: the command ends soon, with exit code 0 or 2,
 //! and without a panic.
-#![allow(clippy::disallowed_methods, reason = "tests write scenes and run the command")]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_macros,
+    reason = "the test writes scenes, runs the command, and shows what it finds"
+)]
 
 use std::fs;
 use std::io::Read;

@@ -1,4 +1,9 @@
 //! `variance` layers tell the errors of the pictures beside them, whatever the sampler.
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_macros,
+    reason = "the test reads the scenes that it renders, and shows what it finds"
+)]
 
 use std::path::PathBuf;
 
@@ -161,7 +166,6 @@ fn independent_samples_are_the_same_with_variances_and_without() {
 fn variances_hold_for_every_sampler_in_scenes_with_light_and_shadow() {
     for name in ["cornell-box", "cups", "soft-shadows"] {
         let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name);
-        #[allow(clippy::disallowed_methods, reason = "the test reads the scene that it renders")]
         let text = std::fs::read_to_string(folder.join("scene.xml")).unwrap();
         for sampler in SAMPLERS {
             let text = text
