@@ -16,5 +16,5 @@ pub(crate) fn read(path: &Path) -> Result<Picture, Failure> {
         Failure::bad_input(format!("cannot read {}: {error}", text::path(path)))
     };
     let bytes = Files::default().read(path).map_err(|error| problem(&error))?;
-    decode_picture(&bytes, &path.to_string_lossy()).map_err(|error| problem(&error))
+    decode_picture(&bytes, &text::path(path)).map_err(|error| problem(&error))
 }
