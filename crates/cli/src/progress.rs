@@ -122,8 +122,9 @@ impl Observer for ProgressDisplay {
             // After Ctrl-C the bar goes, so that whatever comes next starts on a clean line.
             Way::Bar(bar) if self.cancel.is_cancelled() => bar.finish_and_clear(),
             Way::Bar(bar) => {
-                bar.set_position((progress.fraction() * STEPS as f64) as u64);
+                // Each of the two draws, and the first line should have its text.
                 bar.set_message(describe(progress));
+                bar.set_position((progress.fraction() * STEPS as f64) as u64);
             }
             Way::Lines(next) => {
                 // A time is valid even if the lock is poisoned.
