@@ -1,8 +1,12 @@
 //! The command line: the subcommands, and the end of every `--help`.
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
+use etendue::document::printable;
 
 use crate::commands::{check, completions, convert, diff, info, merge, render};
+use crate::terminal;
 
 /// The text at the end of every `--help`.
 const AFTER_HELP: &str = "\
@@ -10,6 +14,7 @@ Exit codes:
   0    success
   1    rendering or writing failed, or `diff --fail-above` found too great a difference
   2    invalid arguments or input
+  129  stopped by SIGHUP; finished work was saved
   130  stopped by Ctrl-C; finished work was saved
   143  stopped by SIGTERM; finished work was saved";
 
@@ -48,6 +53,23 @@ pub(crate) enum Command {
     /// Print the manual page.
     #[command(after_help = AFTER_HELP)]
     Man,
+}
+
+/// Prints why the arguments are wrong, or the help that they ask for.
+pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
+    // The message quotes arguments, which may contain anything: it is made again with printable ones.
+    let arguments = std::env::args_os();
+    let printable = arguments.map(|argument| printable(&argument.to_string_lossy()).into_owned());
+    let quoted = Arguments::try_parse_from(printable);
+    let text = quoted.as_ref().err().unwrap_or(error).render();
+    if error.use_stderr() {
+        let message = text.to_string();
+        terminal::error(message.strip_prefix("error: ").unwrap_or(&message).trim_end());
+    } else if let Err(failure) = terminal::result(&text.to_string()) {
+        terminal::error(&failure.message);
+        return ExitCode::from(failure.status.code());
+    }
+    ExitCode::from(error.exit_code() as u8)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::output::Target;
 use crate::parsers;
 use crate::progress::ProgressDisplay;
+use crate::text;
 
 /// The options for checkpoints and previews.
 #[derive(Args, Debug)]
@@ -142,7 +143,7 @@ impl CheckpointWriter<'_> {
         let Some(checkpoint) = self.checkpoint else { return false };
         let began = Instant::now();
         let written = checkpoint.write(self.film, &self.job.record(self.seconds()));
-        let path = checkpoint.path().display();
+        let path = text::path(checkpoint.path());
         match &written {
             Ok(()) => self.display.checkpoint(checkpoint.path(), began.elapsed()),
             Err(error) => {

@@ -5,7 +5,7 @@ use etendue::document::{Diagnostic, Location, Severity};
 use serde_json::{Value, json};
 
 use crate::listing::{Listing, Repeats};
-use crate::{color, terminal, text};
+use crate::{style, terminal, text};
 
 /// How many of the diagnostics to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,11 +50,11 @@ pub(crate) fn show(diagnostics: &DiagnosticReport, detail: Detail) {
 
 /// Prints diagnostics with their excerpts; returns whether there were any to print.
 pub(crate) fn show_list(diagnostics: &DiagnosticReport, detail: Detail) -> bool {
-    let mut listing = Listing::new(&diagnostics.sources, detail.repeats(), color::is_wanted());
+    let mut listing = Listing::new(&diagnostics.sources, detail.repeats(), style::excerpts());
     let shown = diagnostics.list.iter().filter(|diagnostic| detail.shows(diagnostic));
     shown.for_each(|diagnostic| listing.add(diagnostic));
     let all = listing.finish();
-    terminal::message(&all);
+    terminal::styled(&all);
     !all.is_empty()
 }
 

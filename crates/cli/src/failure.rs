@@ -17,6 +17,8 @@ pub(crate) enum Status {
 /// A signal that asks for an early end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Signal {
+    /// SIGHUP: the terminal has been closed.
+    HangUp,
     /// Ctrl-C.
     Interrupt,
     /// SIGTERM, which `kill` sends.
@@ -27,6 +29,7 @@ impl Signal {
     /// The exit code that shells report: 128 plus the signal's number.
     pub(crate) const fn code(self) -> u8 {
         match self {
+            Self::HangUp => 129,
             Self::Interrupt => 130,
             Self::Terminate => 143,
         }

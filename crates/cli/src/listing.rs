@@ -5,8 +5,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use etendue::document::{Diagnostic, Fault, Severity, Sources};
-use etendue::render_diagnostic;
+use etendue::document::{Diagnostic, Fault, Severity, Sources, printable};
+use etendue::{ExcerptStyle, render_diagnostic};
 
 use crate::text;
 
@@ -30,7 +30,7 @@ type Kind = (Severity, Fault, String);
 pub(crate) struct Listing<'a> {
     sources: &'a Sources,
     repeats: Repeats,
-    colored: bool,
+    style: ExcerptStyle,
     text: String,
     counts: HashMap<Kind, usize>,
     /// Multi-line help texts that have been shown; each is shown only once.
@@ -40,11 +40,11 @@ pub(crate) struct Listing<'a> {
 }
 
 impl<'a> Listing<'a> {
-    pub(crate) fn new(sources: &'a Sources, repeats: Repeats, colored: bool) -> Self {
+    pub(crate) fn new(sources: &'a Sources, repeats: Repeats, style: ExcerptStyle) -> Self {
         Self {
             sources,
             repeats,
-            colored,
+            style,
             text: String::new(),
             counts: HashMap::new(),
             lists: HashSet::new(),
@@ -55,7 +55,7 @@ impl<'a> Listing<'a> {
     /// Adds a diagnostic, in full or to the short lines at the end.
     pub(crate) fn add(&mut self, diagnostic: &'a Diagnostic) {
         if self.repeats == Repeats::Full {
-            self.text += &render_diagnostic(diagnostic, self.sources, self.colored);
+            self.text += &render_diagnostic(diagnostic, self.sources, self.style);
             return;
         }
         let kind = (diagnostic.severity, diagnostic.fault, skeleton(&diagnostic.message));
@@ -63,7 +63,7 @@ impl<'a> Listing<'a> {
         *count += 1;
         if *count <= FULL_COUNT {
             let shown = self.without_known_lists(diagnostic);
-            self.text += &render_diagnostic(&shown, self.sources, self.colored);
+            self.text += &render_diagnostic(&shown, self.sources, self.style);
             return;
         }
         match self.repeated.iter_mut().find(|(known, _)| *known == kind) {
@@ -104,9 +104,8 @@ impl<'a> Listing<'a> {
         self.text += &format!("{count} like these:\n");
         for diagnostic in list.iter().take(limit) {
             let place = diagnostic.span.map(|span| format!("{}: ", self.sources.locate(span)));
-            // Control characters could break the line or drive the terminal.
-            let line: String = diagnostic.message.chars().filter(|c| !c.is_control()).collect();
-            self.text += &format!("  {}{line}\n", place.unwrap_or_default());
+            let line = format!("{}{}", place.unwrap_or_default(), diagnostic.message);
+            self.text += &format!("  {}\n", printable(&line));
         }
         if let Some(rest) = list.len().checked_sub(limit).filter(|rest| *rest > 0) {
             let rest = text::grouped(rest);
@@ -142,7 +141,7 @@ mod tests {
     }
 
     fn listing(sources: &Sources, list: &[Diagnostic], repeats: Repeats) -> String {
-        let mut listing = Listing::new(sources, repeats, false);
+        let mut listing = Listing::new(sources, repeats, ExcerptStyle::default());
         list.iter().for_each(|diagnostic| listing.add(diagnostic));
         listing.finish()
     }

@@ -7,7 +7,6 @@
 
 mod arguments;
 mod checkpoint_writer;
-mod color;
 mod commands;
 mod diagnostics;
 mod display;
@@ -16,6 +15,7 @@ mod listing;
 mod memory;
 mod origin;
 mod output;
+mod output_lock;
 mod outputs;
 mod parsers;
 mod pictures;
@@ -24,6 +24,7 @@ mod replay;
 mod report;
 mod resume;
 mod signals;
+mod style;
 mod terminal;
 mod text;
 mod variances;
@@ -37,7 +38,10 @@ use crate::arguments::{Arguments, Command};
 use crate::failure::{Failure, Status};
 
 fn main() -> ExitCode {
-    let command = Arguments::parse().command;
+    let command = match Arguments::try_parse() {
+        Ok(arguments) => arguments.command,
+        Err(error) => return arguments::refuse(&error),
+    };
     // The panic hook has printed the message already; here the panic only sets the exit code.
     let outcome = catch_unwind(|| run(&command)).unwrap_or(Ok(Status::Failed));
     match outcome {

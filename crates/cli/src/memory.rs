@@ -11,11 +11,25 @@ pub(crate) fn available() -> Option<u64> {
         let used = kilobytes(&read("/proc/self/status")?, "VmSize:")?;
         Some(address_space_limit(&limits)?.saturating_sub(used))
     });
-    let container = || {
-        let limit = bytes(&read("/sys/fs/cgroup/memory.max")?)?;
-        Some(limit.saturating_sub(bytes(&read("/sys/fs/cgroup/memory.current")?)?))
+    let container = |folder: &str| {
+        let limit = bytes(&read(&format!("{folder}/memory.max"))?)?;
+        Some(limit.saturating_sub(bytes(&read(&format!("{folder}/memory.current"))?)?))
     };
-    [physical, address_space, container()].into_iter().flatten().min()
+    let root = container("/sys/fs/cgroup");
+    let own = read("/proc/self/cgroup").and_then(|groups| container(&control_group(&groups)?));
+    [physical, address_space, root, own].into_iter().flatten().min()
+}
+
+/// The memory that the files of a scene may take together: most of what is available. The rest is for
+/// the film, the threads and what cannot be foreseen.
+pub(crate) fn for_scene() -> Option<u64> {
+    available().map(|bytes| bytes / 10 * 9)
+}
+
+/// The folder of the process's own control group, of the second version: the line `0::/path`.
+fn control_group(groups: &str) -> Option<String> {
+    let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;
+    Some(format!("/sys/fs/cgroup{}", path.trim_end_matches('/')))
 }
 
 /// The value of a line such as `MemAvailable: 123 kB` in Linux's `/proc/meminfo`, in bytes.
@@ -55,5 +69,7 @@ mod tests {
         assert_eq!(address_space_limit(limits), Some(4096));
         assert_eq!(address_space_limit("Max address space  unlimited  unlimited  bytes"), None);
         assert_eq!((bytes("12\n"), bytes("max\n")), (Some(12), None));
+        let folder = control_group("1:cpu:/x\n0::/user.slice/a\n");
+        assert_eq!(folder.as_deref(), Some("/sys/fs/cgroup/user.slice/a"));
     }
 }

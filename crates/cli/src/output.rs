@@ -9,7 +9,7 @@ use etendue::durable::{folder_of, follow_links, temporary_name, write_durably};
 use etendue::image::{FileFormat, ImageError};
 
 use crate::failure::Failure;
-use crate::parsers;
+use crate::{parsers, text};
 
 /// A picture file to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ impl Target {
                 Some(extension) => format!("`.{extension}` is not a picture format"),
                 None => "the name has no extension, which selects the format".to_owned(),
             };
-            let (path, known) = (path.display(), parsers::format_names());
+            let (path, known) = (text::path(path), parsers::format_names());
             return Err(Failure::bad_input(format!(
                 "cannot write {path}: {problem}; the formats are {known}"
             )));
@@ -51,7 +51,7 @@ impl Target {
                 .map_err(|error| error.to_string()),
             Err(error) => Err(error.to_string()),
         };
-        let path = self.path.display();
+        let path = text::path(&self.path);
         result.map_err(|reason| Failure::failed(format!("cannot write {path}: {reason}")))
     }
 }
@@ -98,13 +98,13 @@ pub(crate) fn probe(path: &Path) -> Result<PathBuf, Failure> {
     let tried = follow_links(path).map_err(|error| error.to_string()).and_then(|file| {
         check_kind(&file)?;
         if !folder_of(&file).is_dir() {
-            return Err(format!("there is no folder {}", folder_of(&file).display()));
+            return Err(format!("there is no folder {}", text::path(folder_of(&file))));
         }
         let temporary = temporary_name(&file);
         let made = fs::File::create_new(&temporary).and_then(|_| fs::remove_file(&temporary));
         made.map(|()| file).map_err(|error| error.to_string())
     });
-    let path = path.display();
+    let path = text::path(path);
     tried.map_err(|reason| Failure::bad_input(format!("cannot write {path}: {reason}")))
 }
 
@@ -128,7 +128,7 @@ pub(crate) fn check_distinct<'a>(paths: impl IntoIterator<Item = &'a Path>) -> R
     for path in paths {
         let identity = FileIdentity::of(path);
         if let Some((first, _)) = seen.iter().find(|(_, other)| *other == identity) {
-            let (first, path) = (first.display(), path.display());
+            let (first, path) = (text::path(first), text::path(path));
             return Err(Failure::bad_input(format!("{first} and {path} are the same file")));
         }
         seen.push((path, identity));

@@ -1,7 +1,9 @@
 //! The output files of one render or merge: pictures, and parts to be merged.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use etendue::durable::folder_of;
 use etendue::image::losses;
 use etendue::{FilmRecord, FilmSums, Rendering, SumsFile};
 use rayon::prelude::*;
@@ -9,7 +11,8 @@ use rayon::prelude::*;
 use crate::failure::{Failure, Status};
 use crate::origin::{self, Origin};
 use crate::output::{self, Target};
-use crate::terminal;
+use crate::output_lock::OutputLock;
+use crate::{terminal, text};
 
 /// The extension of parts.
 const PART_EXTENSION: &str = "part";
@@ -39,7 +42,7 @@ impl Outputs {
             if is_part(path) {
                 outputs.parts.push(SumsFile::new(output::probe(path)?));
             } else if product == Product::Parts {
-                let path = path.display();
+                let path = text::path(path);
                 return Err(Failure::bad_input(format!(
                     "cannot write {path}: a subset of the samples is not a picture; use the \
                      extension .{PART_EXTENSION}"
@@ -59,12 +62,18 @@ impl Outputs {
 
     /// The names of all files, for messages.
     pub(crate) fn names(&self) -> String {
-        self.paths().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+        self.paths().map(text::path).collect::<Vec<_>>().join(", ")
     }
 
     /// The checkpoint that belongs to these files.
     pub(crate) fn checkpoint(&self) -> Option<SumsFile> {
         self.paths().next().map(SumsFile::checkpoint_of)
+    }
+
+    /// Locks all files against other processes.
+    pub(crate) fn lock(&self) -> Result<Vec<OutputLock>, Failure> {
+        let locks: Result<Vec<_>, _> = self.paths().map(OutputLock::new).collect();
+        Ok(locks?.into_iter().flatten().collect())
     }
 
     /// Whether all files exist, with no checkpoint that marks them as unfinished.
@@ -84,7 +93,7 @@ impl Outputs {
             };
             return Err(Failure::bad_input(format!(
                 "{} exists and {whose}: choose a name with --output, or replace it with --overwrite",
-                path.display()
+                text::path(path)
             )));
         }
         Ok(())
@@ -102,9 +111,13 @@ impl Outputs {
     pub(crate) fn write_pictures(&self, rendering: &Rendering) -> Status {
         let write_one = |target: &Target| {
             for loss in losses(&rendering.picture, target.format, &rendering.encoding) {
-                terminal::warning(&format!("{}: {loss}", target.path.display()));
+                terminal::warning(&format!("{}: {loss}", text::path(&target.path)));
             }
-            status_of(target.write(rendering.encode(target.format)))
+            let encoded = rendering.encode(target.format);
+            status_of(&target.path, target.write(encoded), |path| {
+                let elsewhere = Target::with_format(path, Some(target.format))?;
+                elsewhere.write(rendering.encode(target.format))
+            })
         };
         self.pictures.par_iter().map(write_one).max().unwrap_or(Status::Success)
     }
@@ -112,11 +125,12 @@ impl Outputs {
     /// Writes the parts, and prints an error for each that cannot be written.
     pub(crate) fn write_parts(&self, film: &FilmSums, record: &FilmRecord) -> Status {
         let write_one = |part: &SumsFile| {
-            let path = part.path().display();
-            let written = part.write(film, record);
-            status_of(
-                written.map_err(|error| Failure::failed(format!("cannot write {path}: {error}"))),
-            )
+            let write = |part: &SumsFile| {
+                let path = text::path(part.path());
+                let written = part.write(film, record);
+                written.map_err(|error| Failure::failed(format!("cannot write {path}: {error}")))
+            };
+            status_of(part.path(), write(part), |path| write(&SumsFile::new(path)))
         };
         self.parts.iter().map(write_one).max().unwrap_or(Status::Success)
     }
@@ -130,14 +144,39 @@ impl Outputs {
     }
 }
 
-fn status_of(written: Result<(), Failure>) -> Status {
-    match written {
-        Ok(()) => Status::Success,
-        Err(failure) => {
-            terminal::error(&failure.message);
-            failure.status
+/// Reports a file that could not be written. If its folder has vanished, it is saved elsewhere, which
+/// remains a failure: nobody looks for it there.
+fn status_of(
+    path: &Path,
+    written: Result<(), Failure>,
+    write_elsewhere: impl Fn(&Path) -> Result<(), Failure>,
+) -> Status {
+    let Err(failure) = written else { return Status::Success };
+    terminal::error(&failure.message);
+    if !folder_of(path).is_dir() {
+        let saved = places_elsewhere(path).find(|place| write_elsewhere(place).is_ok());
+        match saved {
+            Some(place) => terminal::warning(&format!("saved as {} instead", text::path(&place))),
+            None => terminal::error("it cannot be saved in the current or the temporary folder"),
         }
     }
+    failure.status
+}
+
+/// Names that no file has, in the current folder and in the one for temporary files.
+fn places_elsewhere(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let name = path.file_name().unwrap_or_default().to_owned();
+    let folders = [std::env::current_dir().ok(), Some(std::env::temp_dir())];
+    let unused = |folder: PathBuf| {
+        let numbered = |number: u32| {
+            let mut name = OsString::from(format!("{number}-"));
+            name.push(path.file_name().unwrap_or_default());
+            folder.join(name)
+        };
+        let plain = std::iter::once(folder.join(&name));
+        plain.chain((1..100).map(numbered)).find(|place| place.symlink_metadata().is_err())
+    };
+    folders.into_iter().flatten().filter_map(unused).collect::<Vec<_>>().into_iter()
 }
 
 /// Whether a name is that of a part.

@@ -1,5 +1,6 @@
 //! Parsers for argument values.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -62,7 +63,8 @@ pub(crate) fn define(text: &str) -> Result<(String, String), String> {
 pub(crate) fn time(text: &str) -> Result<Duration, String> {
     let problem = || "expected a time such as 90s, 10m or 1h30m".to_owned();
     if let Ok(seconds) = text.parse() {
-        return Duration::try_from_secs_f64(seconds).map_err(|_| problem());
+        let time = Duration::try_from_secs_f64(seconds).map_err(|_| problem())?;
+        return at_most_a_century(time);
     }
     let mut total = Duration::ZERO;
     let mut rest = text;
@@ -77,7 +79,50 @@ pub(crate) fn time(text: &str) -> Result<Duration, String> {
         total = total.checked_add(part).ok_or_else(problem)?;
         rest = next;
     }
-    if text.is_empty() { Err(problem()) } else { Ok(total) }
+    if text.is_empty() { Err(problem()) } else { at_most_a_century(total) }
+}
+
+/// Refuses times that the system's clock cannot reach.
+fn at_most_a_century(time: Duration) -> Result<Duration, String> {
+    const CENTURY: Duration = Duration::from_secs(36_525 * 86_400);
+    if time <= CENTURY { Ok(time) } else { Err("expected at most 36525d, a century".to_owned()) }
+}
+
+/// `512MB`, `8GB`, `8GiB`, or a number of bytes.
+pub(crate) fn memory(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, u64); 9] = [
+        ("KiB", 1 << 10),
+        ("MiB", 1 << 20),
+        ("GiB", 1 << 30),
+        ("TiB", 1 << 40),
+        ("kB", 1000),
+        ("MB", 1_000_000),
+        ("GB", 1_000_000_000),
+        ("TB", 1_000_000_000_000),
+        ("", 1),
+    ];
+    let problem = || "expected a size such as 512MB or 8GB".to_owned();
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let (number, unit) = text.split_at(digits.len());
+    let number: f64 = number.trim().parse().map_err(|_| problem())?;
+    let unit = UNITS.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(unit));
+    let (_, unit) = unit.ok_or_else(problem)?;
+    let bytes = number * unit as f64;
+    // Not a number is in no range.
+    if (1.0..u64::MAX as f64).contains(&bytes) { Ok(bytes as u64) } else { Err(problem()) }
+}
+
+/// Some threads, but not many more than there are processors: starting thousands takes seconds, and
+/// they only wait for each other.
+pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    const ALWAYS_ALLOWED: usize = 256;
+    const PER_PROCESSOR: usize = 4;
+    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let most = (PER_PROCESSOR * processors).max(ALWAYS_ALLOWED);
+    match text.parse::<NonZeroUsize>() {
+        Ok(count) if count.get() <= most => Ok(count),
+        _ => Err(format!("expected a number from 1 to {most} on this machine")),
+    }
 }
 
 /// A time above zero.
@@ -175,8 +220,41 @@ mod tests {
         for (text, seconds) in cases {
             assert_eq!(time(text).unwrap().as_secs_f64(), seconds, "{text}");
         }
-        for wrong in ["", "m", "10x", "-5", "1h30q", "nan", "inf", "1e300", "5 m", "1.2.3s"] {
+        for wrong in [
+            "",
+            "m",
+            "10x",
+            "-5",
+            "1h30q",
+            "nan",
+            "inf",
+            "1e300",
+            "5 m",
+            "1.2.3s",
+            "1e18",
+            "99999999d",
+        ] {
             assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sizes_of_memory_have_units() {
+        let cases =
+            [("1", 1), ("512MB", 512_000_000), ("1.5GiB", 3 << 29), ("8 gb", 8_000_000_000)];
+        for (text, bytes) in cases {
+            assert_eq!(memory(text), Ok(bytes), "{text}");
+        }
+        for wrong in ["", "0", "-1", "nan", "inf", "1e30TB", "5x", "GB", "ä", "1ß"] {
+            assert!(memory(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_of_threads_are_those_of_machines() {
+        assert_eq!(threads("64").map(NonZeroUsize::get), Ok(64));
+        for wrong in ["0", "-1", "", "nan", "1000000", "18446744073709551616", "2.0"] {
+            assert!(threads(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -1,5 +1,6 @@
 //! Reads picture files.
 
+use std::fmt::Display;
 use std::io::{Read, stdin};
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use etendue::document::Resources;
 use etendue::image::{Limits, Picture, decode_picture};
 
 use crate::failure::Failure;
-use crate::terminal;
+use crate::{terminal, text};
 
 /// The name that stands for standard input or output.
 pub(crate) const STANDARD: &str = "-";
@@ -16,9 +17,9 @@ pub(crate) const STANDARD: &str = "-";
 /// Reads a picture in any supported format, and prints what is not followed in it.
 pub(crate) fn read(path: &Path) -> Result<Picture, Failure> {
     let is_standard = path == Path::new(STANDARD);
-    let name = if is_standard { "standard input".to_owned() } else { path.display().to_string() };
+    let name = if is_standard { "standard input".to_owned() } else { text::path(path) };
     let unreadable =
-        |error: &dyn std::fmt::Display| Failure::bad_input(format!("cannot read {name}: {error}"));
+        |error: &dyn Display| Failure::bad_input(format!("cannot read {name}: {error}"));
     let bytes = if is_standard {
         read_standard_input().map_err(|error| unreadable(&error))?
     } else {
@@ -41,7 +42,7 @@ pub(crate) fn layer(picture: &Picture, name: &str, path: &Path) -> Result<Pictur
             [] => "it has none but its colours".to_owned(),
             names => format!("the layers are {}", names.join(", ")),
         };
-        Failure::bad_input(format!("{} has no layer `{name}`; {known}", path.display()))
+        Failure::bad_input(format!("{} has no layer `{name}`; {known}", text::path(path)))
     })
 }
 

@@ -1,5 +1,6 @@
 //! Reports samples that were left out of a picture, and replays single samples.
 
+use etendue::document::printable;
 use etendue::engine::SampleSource;
 use etendue::{Defect, DefectiveSample, Defects, RenderJob, SampleId};
 
@@ -43,7 +44,10 @@ fn report_samples(defects: &Defects) {
 
 /// This run's command line, quoted for a shell.
 fn command_line() -> String {
-    std::env::args().map(|argument| quote(&argument)).collect::<Vec<_>>().join(" ")
+    std::env::args_os()
+        .map(|argument| quote(&printable(&argument.to_string_lossy())))
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// Quotes an argument for a POSIX shell.

@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, IsTerminal, stderr, stdin};
 
+use etendue::document::printable;
 use etendue::sums_file::{Difference, differences};
 use etendue::{FilmFile, FilmFileError, FilmSums, RenderJob, SumsFile};
 
@@ -14,7 +15,7 @@ pub(crate) fn find(
     checkpoint: &SumsFile,
     resume: Option<Resume>,
 ) -> Result<Option<FilmFile>, Failure> {
-    let path = checkpoint.path().display();
+    let path = text::path(checkpoint.path());
     if !checkpoint.exists() {
         return match resume {
             Some(Resume::Yes) => {
@@ -32,7 +33,7 @@ pub(crate) fn find(
 
 /// Asks the user whether to resume; without a terminal, this is an error.
 fn ask(checkpoint: &SumsFile, header: &FilmFile) -> Result<bool, Failure> {
-    let path = checkpoint.path().display();
+    let path = text::path(checkpoint.path());
     let held = text::counted(header.samples_per_pixel as usize, "sample");
     if !stdin().is_terminal() || !stderr().is_terminal() {
         return Err(Failure::bad_input(format!(
@@ -65,12 +66,16 @@ pub(crate) fn read(
     check(checkpoint, header, job)?;
     let limit = job.job().memory_limit;
     let (_, film) = checkpoint.read(limit).map_err(|error| unreadable(checkpoint, &error))?;
+    if !job.owns(&film) {
+        let problem = FilmFileError::Invalid("its sums are not those that its header announces");
+        return Err(unreadable(checkpoint, &problem));
+    }
     let most = film.samples_per_pixel().most;
     let wanted = job.job().budget.samples_per_pixel;
     if let Some(wanted) = wanted.map(|end| end - film.first_sample())
         && most > wanted
     {
-        let path = checkpoint.path().display();
+        let path = text::path(checkpoint.path());
         return Err(Failure::bad_input(format!(
             "{path} holds up to {} per pixel, more than the {wanted} requested",
             text::counted(most as usize, "sample")
@@ -93,17 +98,18 @@ fn check(checkpoint: &SumsFile, header: &FilmFile, job: &RenderJob) -> Result<()
     if found.is_empty() {
         return Ok(());
     }
-    let path = checkpoint.path().display();
+    let path = text::path(checkpoint.path());
     let mut message = format!("{path} belongs to another picture and was left unchanged:");
     for Difference { name, file, other } in &found {
-        message.push_str(&format!("\n  {name}: {file}; now {other}"));
+        let line = format!("{name}: {file}; now {other}");
+        message.push_str(&format!("\n  {}", printable(&line)));
     }
     message.push_str("\n--resume=never starts over and overwrites it");
     Err(Failure::bad_input(message))
 }
 
 fn unreadable(checkpoint: &SumsFile, error: &FilmFileError) -> Failure {
-    let path = checkpoint.path().display();
+    let path = text::path(checkpoint.path());
     let message = format!(
         "cannot resume from {path}: {error}; the file was left unchanged; --resume=never starts \
          over and overwrites it"

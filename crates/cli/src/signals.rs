@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the first signal stops the render and saves its results, the second one ends
+//! Ctrl-C, SIGTERM and SIGHUP: the first signal stops the render and saves its results, the second one ends
 //! the process at once.
 
 use std::io;
@@ -6,12 +6,19 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use etendue::Cancel;
+#[cfg(unix)]
+use signal_hook::consts::SIGHUP;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use crate::failure::Signal;
 
-const SIGNALS: [(i32, Signal); 2] = [(SIGINT, Signal::Interrupt), (SIGTERM, Signal::Terminate)];
+const SIGNALS: &[(i32, Signal)] = &[
+    (SIGINT, Signal::Interrupt),
+    (SIGTERM, Signal::Terminate),
+    #[cfg(unix)]
+    (SIGHUP, Signal::HangUp),
+];
 
 /// The state that the signal handlers set.
 pub(crate) struct Signals {
@@ -31,7 +38,10 @@ impl Signals {
             leave_at_once: Arc::new(AtomicBool::new(true)),
             received: Arc::default(),
         };
-        for (number, signal) in SIGNALS {
+        for &(number, signal) in SIGNALS {
+            if signal == Signal::HangUp && is_hang_up_ignored() {
+                continue;
+            }
             // Handlers run in this order: the first signal during a render sets the flag that makes
             // the second one end the process.
             let leave = Arc::clone(&signals.leave_at_once);
@@ -62,7 +72,31 @@ impl Signals {
     /// The last signal received.
     pub(crate) fn received(&self) -> Option<Signal> {
         let code = self.received.load(Ordering::SeqCst);
-        let signals = SIGNALS.map(|(_, signal)| signal);
-        signals.into_iter().find(|signal| usize::from(signal.code()) == code)
+        let mut signals = SIGNALS.iter().map(|(_, signal)| *signal);
+        signals.find(|signal| usize::from(signal.code()) == code)
+    }
+}
+
+/// Whether SIGHUP is ignored, as `nohup` asks for. Other systems than Linux do not tell.
+fn is_hang_up_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    is_first_signal_ignored(&status)
+}
+
+/// Whether the mask in the line `SigIgn: 0000000000001001` has the bit of signal 1.
+fn is_first_signal_ignored(status: &str) -> bool {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & 1 == 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mask_of_ignored_signals_is_read() {
+        assert!(is_first_signal_ignored("Name:\tx\nSigIgn:\t0000000000001001\n"));
+        assert!(!is_first_signal_ignored("SigIgn:\t0000000000001000\nSigCgt:\t0000000000000001\n"));
+        assert!(!is_first_signal_ignored(""));
     }
 }

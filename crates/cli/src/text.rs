@@ -1,6 +1,14 @@
-//! Formats numbers and times for people.
+//! Formats names, numbers and times for people.
 
+use std::path::Path;
 use std::time::Duration;
+
+use etendue::document::printable;
+
+/// A file's name as people may see it: what would act on the terminal is escaped.
+pub(crate) fn path(path: &Path) -> String {
+    printable(&path.to_string_lossy()).into_owned()
+}
 
 /// `12.3 M`: three digits and a decimal prefix.
 pub(crate) fn scaled(value: f64) -> String {

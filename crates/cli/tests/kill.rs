@@ -110,7 +110,7 @@ fn kill_one(case: &Case, workplace: &Workplace, random: &mut TestRng, tally: &mu
             Some(killed) => tally.add(&killed, interval),
             None => return,
         }
-        let unfinished = workplace.files().iter().any(|name| name.starts_with('.'));
+        let unfinished = workplace.files().iter().any(|name| name.ends_with(".tmp"));
         tally.during_writes += u64::from(unfinished);
     }
     let status = render(case, &path, &["--resume=auto"]).status().unwrap();

@@ -7,6 +7,7 @@ use codespan_reporting::files::{Error, Files};
 use codespan_reporting::term;
 
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::printable::{printable, printable_lines};
 use crate::source::{Source, Sources, floor_boundary};
 use crate::span::{Location, Span};
 
@@ -14,12 +15,26 @@ use crate::span::{Location, Span};
 /// so of longer lines only the part around the span is shown.
 const SHOWN: usize = 120;
 
-/// Formats a finding for a terminal, with colour escape codes if `colored`.
+/// How excerpts look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExcerptStyle {
+    /// Whether there are the colour codes of a terminal.
+    pub is_colored: bool,
+    /// Whether frames consist of ASCII characters alone.
+    pub is_ascii: bool,
+}
+
+/// Formats a finding for a terminal.
 ///
 /// The position is shown as `file:line:column`, with the line and carets under the span, or as the
 /// path of a node built in code. Lines of advice follow. The text ends with a line break.
-pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bool) -> String {
-    let mut excerpts = Excerpts { list: Vec::new() };
+pub fn render_diagnostic(
+    diagnostic: &Diagnostic,
+    sources: &Sources,
+    style: ExcerptStyle,
+) -> String {
+    let ellipsis = if style.is_ascii { "..." } else { "…" };
+    let mut excerpts = Excerpts { list: Vec::new(), ellipsis };
     let (mut labels, mut notes) = (Vec::new(), Vec::new());
     match diagnostic.span.map(|span| excerpts.add(span, sources)) {
         Some(Shown::Excerpt(file, range)) => labels.push(codespan::Label::primary(file, range)),
@@ -30,7 +45,7 @@ pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bo
         match excerpts.add(related.span, sources) {
             Shown::Excerpt(file, range) => {
                 let label = codespan::Label::secondary(file, range);
-                labels.push(label.with_message(&related.message));
+                labels.push(label.with_message(printable(&related.message)));
             }
             Shown::Path(path) => {
                 notes.push(format!("at {}: {}", printable(&path), printable(&related.message)));
@@ -38,7 +53,7 @@ pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bo
             Shown::Nothing => {}
         }
     }
-    notes.extend(diagnostic.help.iter().map(|line| printable(line)));
+    notes.extend(diagnostic.help.iter().map(|help| printable_lines(help).into_owned()));
     let severity = match diagnostic.severity {
         Severity::Error => codespan::Severity::Error,
         Severity::Warning => codespan::Severity::Warning,
@@ -48,20 +63,23 @@ pub fn render_diagnostic(diagnostic: &Diagnostic, sources: &Sources, colored: bo
         .with_message(printable(&diagnostic.message))
         .with_labels(labels)
         .with_notes(notes);
-    match emit(&shown, &excerpts, colored) {
+    match emit(&shown, &excerpts, style) {
         Ok(text) => text.trim_end().to_owned() + "\n",
         // Layout fails only for a broken excerpt; the message must still be shown.
-        Err(_) => printable(&diagnostic.message) + "\n",
+        Err(_) => format!("{}\n", printable(&diagnostic.message)),
     }
 }
 
 fn emit(
     shown: &codespan::Diagnostic<usize>,
     excerpts: &Excerpts,
-    colored: bool,
+    style: ExcerptStyle,
 ) -> Result<String, Error> {
-    let config = term::Config::default();
-    if !colored {
+    let mut config = term::Config::default();
+    if style.is_ascii {
+        config.chars = term::Chars::ascii();
+    }
+    if !style.is_colored {
         return term::emit_into_string(&config, excerpts, shown);
     }
     let mut writer = term::termcolor::Ansi::new(Vec::new());
@@ -90,6 +108,8 @@ enum Shown {
 /// The shown lines. The layout library sees each one as a separate file.
 struct Excerpts {
     list: Vec<Excerpt>,
+    /// What stands for the parts that are left out.
+    ellipsis: &'static str,
 }
 
 impl Excerpts {
@@ -100,7 +120,8 @@ impl Excerpts {
             (Location::Node { path }, _) => Shown::Path(path),
             (Location::Text { .. }, None) => Shown::Nothing,
             (Location::Text { name, line, column }, Some(source)) => {
-                let (text, range) = cut(source, span);
+                let (text, range) = cut(source, span, self.ellipsis);
+                let name = printable(&name).into_owned();
                 self.list.push(Excerpt { name, line_number: line, column_number: column, text });
                 Shown::Excerpt(self.list.len() - 1, range)
             }
@@ -110,7 +131,7 @@ impl Excerpts {
 
 /// The part of a span's first line around the span, and the span within it. A span over several
 /// lines is cut to the first one.
-fn cut(source: &Source, span: Span) -> (String, Range<usize>) {
+fn cut(source: &Source, span: Span, ellipsis: &str) -> (String, Range<usize>) {
     let whole = source.text();
     let start = floor_boundary(&whole, span.range().start);
     let line = source.line_range(source.line_index(start), &whole);
@@ -126,11 +147,11 @@ fn cut(source: &Source, span: Span) -> (String, Range<usize>) {
     let (inside, inside_cut) = first_characters(inside, limit(SHOWN / 2));
     let after_limit = if inside_cut { 0 } else { limit(SHOWN / 3) };
     let (after, after_cut) = first_characters(after, after_limit);
-    let opening = if before_cut { "…" } else { "" };
-    let closing = if inside_cut || after_cut { "…" } else { "" };
-    let shown_before = format!("{opening}{}", printable(before));
-    let shown_inside = printable(inside);
-    let text = format!("{shown_before}{shown_inside}{}{closing}", printable(after));
+    let opening = if before_cut { ellipsis } else { "" };
+    let closing = if inside_cut || after_cut { ellipsis } else { "" };
+    let shown_before = format!("{opening}{}", shown_in_line(before));
+    let shown_inside = shown_in_line(inside);
+    let text = format!("{shown_before}{shown_inside}{}{closing}", shown_in_line(after));
     let start = shown_before.len();
     (text, start..start + shown_inside.len())
 }
@@ -149,15 +170,9 @@ fn last_characters(text: &str, count: usize) -> (&str, bool) {
     }
 }
 
-/// Removes control characters, which a file could use to control the terminal.
-fn printable(text: &str) -> String {
-    let shown = |character: char| match character {
-        '\n' => '\n',
-        '\t' => ' ',
-        other if other.is_control() => '\u{fffd}',
-        other => other,
-    };
-    text.chars().map(shown).collect()
+/// A part of a line. Tabs become spaces.
+fn shown_in_line(text: &str) -> String {
+    printable(&text.replace('\t', " ")).into_owned()
 }
 
 impl<'a> Files<'a> for Excerpts {
@@ -201,7 +216,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
     use crate::diagnostic::Fault;
+
+    const PLAIN: ExcerptStyle = ExcerptStyle { is_colored: false, is_ascii: false };
+    const COLORED: ExcerptStyle = ExcerptStyle { is_colored: true, ..PLAIN };
 
     fn sources(text: &str) -> Sources {
         let mut sources = Sources::default();
@@ -233,13 +252,13 @@ warning: no `alpah`
   │
   = did you mean `alpha`?
 ";
-        assert_eq!(render_diagnostic(&diagnostic, &sources(text), false), expected);
+        assert_eq!(render_diagnostic(&diagnostic, &sources(text), PLAIN), expected);
     }
 
     #[test]
     fn a_finding_without_a_place_is_its_message() {
         let diagnostic = Diagnostic::error(Fault::Io, None, "cannot read x.xml");
-        let text = render_diagnostic(&diagnostic, &Sources::default(), false);
+        let text = render_diagnostic(&diagnostic, &Sources::default(), PLAIN);
         assert_eq!(text, "error: cannot read x.xml\n");
     }
 
@@ -247,12 +266,12 @@ warning: no `alpah`
     fn of_long_lines_and_long_spans_a_part_is_shown() {
         let text = format!("{}here{}", "a".repeat(1_000_000), "b".repeat(1_000_000));
         let diagnostic = Diagnostic::error(Fault::Syntax, span(1_000_000..1_000_004), "wrong");
-        let shown = render_diagnostic(&diagnostic, &sources(&text), false);
+        let shown = render_diagnostic(&diagnostic, &sources(&text), PLAIN);
         assert!(shown.contains("scene.xml:1:1000001"), "{shown}");
         assert!(shown.contains("…aaa") && shown.contains("ahereb") && shown.contains("bbb…"));
         assert!(shown.lines().all(|line| line.chars().count() < 150), "{shown}");
         let diagnostic = Diagnostic::error(Fault::Syntax, span(0..2_000_000), "wrong");
-        let shown = render_diagnostic(&diagnostic, &sources(&text), false);
+        let shown = render_diagnostic(&diagnostic, &sources(&text), PLAIN);
         assert!(shown.lines().all(|line| line.chars().count() < 150), "{shown}");
     }
 
@@ -260,8 +279,27 @@ warning: no `alpah`
     fn colors_come_only_when_asked_for_and_files_cannot_send_any() {
         let diagnostic = Diagnostic::error(Fault::Syntax, span(0..3), "bad \u{1b}[31m");
         let sources = sources("a\u{1b}[2J");
-        assert!(!render_diagnostic(&diagnostic, &sources, false).contains('\u{1b}'));
-        assert!(render_diagnostic(&diagnostic, &sources, true).contains("\u{1b}["));
+        assert!(!render_diagnostic(&diagnostic, &sources, PLAIN).contains('\u{1b}'));
+        assert!(render_diagnostic(&diagnostic, &sources, COLORED).contains("\u{1b}["));
+    }
+
+    #[test]
+    fn a_name_stays_on_its_line() {
+        let diagnostic = Diagnostic::error(Fault::Io, span(0..1), "no file `x\nerror: all gone`");
+        let mut sources = Sources::default();
+        sources.add("p\u{9b}2J\n.xml", "a");
+        let shown = render_diagnostic(&diagnostic.help("in\n/a\u{202e}"), &sources, PLAIN);
+        assert!(shown.starts_with("error: no file `x\\nerror: all gone`\n"), "{shown}");
+        assert!(shown.contains(r"p\u{9b}2J\n.xml:1:1") && shown.contains(r"/a\u{202e}"), "{shown}");
+    }
+
+    #[test]
+    fn ascii_frames_need_no_other_characters() {
+        let text = "a".repeat(1000);
+        let diagnostic = Diagnostic::error(Fault::Syntax, span(500..501), "wrong").help("advice");
+        let style = ExcerptStyle { is_ascii: true, ..PLAIN };
+        let shown = render_diagnostic(&diagnostic, &sources(&text), style);
+        assert!(shown.is_ascii() && shown.contains("...aaa"), "{shown}");
     }
 
     proptest! {
@@ -269,7 +307,7 @@ warning: no `alpah`
         fn any_span_of_any_text_can_be_shown(text in "[a-cö\u{1F600}\n\r\t]{0,40}",
                                              start in 0usize..60, length in 0usize..60) {
             let diagnostic = Diagnostic::error(Fault::Syntax, span(start..start + length), "x");
-            let shown = render_diagnostic(&diagnostic, &sources(&text), false);
+            let shown = render_diagnostic(&diagnostic, &sources(&text), PLAIN);
             prop_assert!(shown.starts_with("error: x\n"));
             prop_assert!(shown.contains("scene.xml:"));
         }

@@ -1,5 +1,7 @@
 //! Similar names, for "did you mean".
 
+use crate::printable::printable;
+
 /// The maximum number of suggestions.
 const SUGGESTION_LIMIT: usize = 3;
 
@@ -33,7 +35,8 @@ pub fn near_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>)
 
 /// Names in backquotes with commas: `` `a`, `b`, `c` ``.
 pub fn list_names<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let quoted: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    let quoted: Vec<String> =
+        names.into_iter().map(|name| format!("`{}`", printable(name))).collect();
     quoted.join(", ")
 }
 

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::names::{list_names, near_names};
+use crate::printable::printable;
 use crate::resources::{Resources, normalise};
 use crate::span::SourceId;
 
@@ -44,8 +45,8 @@ impl NotFound {
         if self.folders.is_empty() {
             return Vec::new();
         }
-        let folders = self.folders.iter().map(|folder| folder.display().to_string());
-        let folders: Vec<String> = folders.collect();
+        let shown = |folder: &PathBuf| printable(&folder.to_string_lossy()).into_owned();
+        let folders: Vec<String> = self.folders.iter().map(shown).collect();
         vec![format!("looked for it in\n{}", folders.join("\n"))]
     }
 

@@ -6,14 +6,13 @@ use etendue_image::Picture;
 use etendue_integrators::ChannelKind;
 
 use crate::error::EngineError;
-use crate::exact_sums::ExactSums;
 use crate::job::Job;
-use crate::nearest::Nearest;
 use crate::region::Region;
 use crate::source::SampleSource;
 use crate::splats::Splats;
 use crate::statistics::{Defects, SamplesPerPixel};
 use crate::tile::{COLOR_CHANNELS, Tile, TileKind};
+use crate::variance::{self, local_means};
 
 /// The sums of all samples so far, per pixel and channel. The order of samples does not change them
 /// (`exact_sums`).
@@ -56,10 +55,14 @@ pub(crate) struct Turn<'a> {
 pub struct Channels {
     /// Whether alpha follows red, green and blue.
     pub alpha: bool,
-    /// Whether the variance of each pixel's mean follows as the layer `variance.R`, `.G`, `.B`. It
-    /// is zero unless the [`Job`] asked for it.
+    /// Whether the variance of each pixel's mean follows as the layer `variance.R`, `.G`, `.B`,
+    /// averaged over 5 × 5 pixels of the region. It is zero unless the [`Job`] asked for it, and
+    /// where no pixel has two samples.
     pub variance: bool,
 }
+
+/// The layer of the variances.
+pub(crate) const VARIANCE_LAYER: &str = "variance";
 
 /// The names of the variances.
 const VARIANCE_NAMES: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
@@ -186,23 +189,36 @@ impl FilmSums {
         }
         for (channel, name) in VARIANCE_NAMES.into_iter().enumerate() {
             if channels.variance {
-                picture.push(name, self.plane(|tile, pixel| tile.variance_of_mean(pixel, channel)));
+                picture.push(name, self.variances(channel));
             }
         }
         picture
     }
 
+    /// The variance of each pixel's mean, row by row; what a float cannot hold is clamped. A single
+    /// pixel has one degree of freedom, so the estimates of neighbours are averaged.
+    fn variances(&self, channel: usize) -> Vec<f32> {
+        let estimates = self.map_pixels(None, |tile, pixel| tile.variance_of_mean(pixel, channel));
+        let means = local_means(&estimates, self.region.width as usize);
+        means.into_iter().map(|mean| mean.min(f64::from(f32::MAX)) as f32).collect()
+    }
+
     /// One value per pixel, row by row.
     fn plane(&self, value: impl Fn(&Tile, usize) -> f64) -> Vec<f32> {
+        self.map_pixels(0.0, |tile, pixel| value(tile, pixel) as f32)
+    }
+
+    /// Anything per pixel, row by row.
+    fn map_pixels<T: Clone>(&self, empty: T, value: impl Fn(&Tile, usize) -> T) -> Vec<T> {
         let width = self.region.width as usize;
-        let mut plane = vec![0.0; self.region.pixel_count() as usize];
+        let mut plane = vec![empty; self.region.pixel_count() as usize];
         for tile in self.tiles() {
             let region = tile.region;
             let left = (region.x - self.region.x) as usize;
             let top = (region.y - self.region.y) as usize;
             for pixel in 0..region.pixel_count() as usize {
                 let (row, column) = (pixel / region.width as usize, pixel % region.width as usize);
-                plane[(top + row) * width + left + column] = to_single(value(&tile, pixel));
+                plane[(top + row) * width + left + column] = value(&tile, pixel);
             }
         }
         plane
@@ -233,6 +249,13 @@ impl FilmSums {
             splats.merge(others);
         }
         Ok(())
+    }
+
+    /// Whether this is a film of the job's pixels with what the job and the source ask for.
+    pub fn belongs_to<S: SampleSource>(&self, job: &Job, source: &S) -> bool {
+        self.region == job.region
+            && self.channel_names == source.channels()
+            && self.kind == kind(job, source)
     }
 
     /// Whether the two films have the same sums, apart from samples and tiles.
@@ -341,16 +364,11 @@ fn kind<S: SampleSource>(job: &Job, source: &S) -> TileKind {
 
 fn memory_needed(region: Region, kind: TileKind) -> u64 {
     let splats = if kind.splats { Splats::BYTES_PER_PIXEL } else { 0 };
-    let nearest = Nearest::bytes_per_pixel(kind.nearest_channel_count);
-    let sums = ExactSums::BYTES * kind.sums_per_pixel() + 4 + splats + nearest;
-    let picture = 4 * (kind.sums_per_pixel() + kind.nearest_channel_count as u64);
-    region.pixel_count().saturating_mul(sums + picture)
-}
-
-/// Rounds a value of the sums, and clamps what single precision cannot hold: variances of radiance
-/// beyond 10¹⁹.
-fn to_single(value: f64) -> f32 {
-    (value as f32).clamp(f32::MIN, f32::MAX)
+    let picture =
+        size_of::<f32>() as u64 * (kind.sums_per_pixel() + kind.nearest_channel_count as u64);
+    let averages = if kind.variance { variance::BYTES_PER_PIXEL } else { 0 };
+    let per_pixel = kind.bytes_per_pixel() + splats + picture + averages;
+    region.pixel_count().saturating_mul(per_pixel)
 }
 
 /// A poisoned lock is no harm: samples are taken before they are added, so a panic in one leaves the

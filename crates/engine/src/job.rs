@@ -15,7 +15,9 @@ pub struct Job {
     pub first_sample: u32,
     /// When to stop.
     pub budget: Budget,
-    /// Whether the film keeps the sums of squares that variances need.
+    /// Whether the film keeps what variances need. The source's samples with even index must then be
+    /// independent of those with odd index
+    /// ([`SamplerSpec::in_halves`](etendue_sampling::SamplerSpec::in_halves)).
     pub variance: bool,
     /// The most bytes that the film may take.
     pub memory_limit: u64,

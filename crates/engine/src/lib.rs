@@ -33,6 +33,7 @@ mod splats;
 mod statistics;
 mod tile;
 mod training;
+mod variance;
 mod workers;
 
 pub use camera::{Camera, Replay};

@@ -14,8 +14,8 @@ use etendue_math::with_lanes;
 /// Red, green, blue and alpha; the extra channels follow.
 pub(crate) const COLOR_CHANNELS: usize = 4;
 
-/// Red, green and blue have squares.
-pub(crate) const SQUARED_CHANNELS: usize = 3;
+/// Red, green and blue have variances.
+pub(crate) const VARIANCE_CHANNELS: usize = 3;
 
 /// The sums of one rectangle of pixels, row by row.
 #[derive(Debug)]
@@ -27,12 +27,14 @@ pub(crate) struct Tile {
     channel_count: usize,
     /// Σ weight·value of every channel, pixel after pixel.
     pub(crate) sums: ExactSums,
-    /// Σ (weight·value)² of red, green and blue; empty without variances.
-    pub(crate) squares: ExactSums,
     /// The extra channels that belong to the sample nearest to each pixel's centre.
     pub(crate) nearest: Nearest,
     /// Samples in the sums.
     pub(crate) counts: Vec<u32>,
+    /// Σ weight·value of red, green and blue of the samples with odd index; empty without variances.
+    pub(crate) odd_sums: ExactSums,
+    /// Samples in these sums; empty without variances.
+    pub(crate) odd_counts: Vec<u32>,
     /// The index of every pixel's next sample.
     pub(crate) next_sample: u32,
     pub(crate) defects: Defects,
@@ -47,7 +49,7 @@ pub(crate) struct TileKind {
     pub(crate) mean_channel_count: usize,
     /// Channels of the sample nearest to a pixel's centre.
     pub(crate) nearest_channel_count: usize,
-    /// Whether squares are summed.
+    /// Whether samples with odd index are summed apart too, for variances.
     pub(crate) variance: bool,
     /// Whether samples have splats, which belong to the film as a whole.
     pub(crate) splats: bool,
@@ -66,10 +68,18 @@ impl TileKind {
         }
     }
 
-    /// How many sums a pixel has, of values and of squares.
+    /// How many sums a pixel has.
     pub(crate) fn sums_per_pixel(self) -> u64 {
-        let squared = if self.variance { SQUARED_CHANNELS } else { 0 };
-        (COLOR_CHANNELS + self.mean_channel_count + squared) as u64
+        let odd = if self.variance { VARIANCE_CHANNELS } else { 0 };
+        (COLOR_CHANNELS + self.mean_channel_count + odd) as u64
+    }
+
+    /// The bytes of what a pixel counts, sums and keeps.
+    pub(crate) fn bytes_per_pixel(self) -> u64 {
+        let counts = if self.variance { 2 } else { 1 };
+        ExactSums::BYTES * self.sums_per_pixel()
+            + counts * size_of::<u32>() as u64
+            + Nearest::bytes_per_pixel(self.nearest_channel_count)
     }
 }
 
@@ -77,15 +87,16 @@ impl Tile {
     pub(crate) fn new(region: Region, kind: TileKind, kinds: Arc<[ChannelKind]>) -> Self {
         let pixel_count = region.pixel_count() as usize;
         let channel_count = COLOR_CHANNELS + kind.mean_channel_count;
-        let squared = if kind.variance { pixel_count * SQUARED_CHANNELS } else { 0 };
+        let odd_count = if kind.variance { pixel_count } else { 0 };
         Self {
             region,
             kinds,
             channel_count,
             sums: ExactSums::new(pixel_count * channel_count),
-            squares: ExactSums::new(squared),
             nearest: Nearest::new(pixel_count, kind.nearest_channel_count),
             counts: vec![0; pixel_count],
+            odd_sums: ExactSums::new(odd_count * VARIANCE_CHANNELS),
+            odd_counts: vec![0; odd_count],
             next_sample: kind.first_sample,
             defects: Defects::default(),
             keeps_negative: false,
@@ -102,8 +113,10 @@ impl Tile {
             }
         };
         merge(&mut self.sums, &other.sums, self.channel_count);
-        if !self.squares.is_empty() {
-            merge(&mut self.squares, &other.squares, SQUARED_CHANNELS);
+        if !self.odd_counts.is_empty() {
+            let (count, others) = (&mut self.odd_counts[pixel], other.odd_counts[other_pixel]);
+            *count = count.saturating_add(others);
+            merge(&mut self.odd_sums, &other.odd_sums, VARIANCE_CHANNELS);
         }
         if !self.nearest.is_empty() {
             self.nearest.merge_pixel(pixel, &other.nearest, other_pixel);
@@ -118,18 +131,33 @@ impl Tile {
         }
     }
 
-    /// The variance of the mean of red, green or blue: the unbiased estimate
-    /// (Σv² − (Σv)²/n) / (n − 1) of a sample's, over n. With fewer than two samples, or without
-    /// squares, the variance is unknown and this returns zero.
-    pub(crate) fn variance_of_mean(&self, pixel: usize, channel: usize) -> f64 {
-        if self.counts[pixel] < 2 || self.squares.is_empty() {
-            return 0.0;
+    /// An estimate of the variance of the mean of red, green or blue, with one degree of freedom.
+    /// `None` without variances, or if there are no samples with even or with odd index.
+    ///
+    /// The two halves are independent, whatever dependence the sampler has made within them. Let a
+    /// half of n samples have the variance s/n. Then the squared difference of the means has the
+    /// expectation s (1/n₀ + 1/n₁), and the mean of all has the variance s / (n₀ + n₁).
+    pub(crate) fn variance_of_mean(&self, pixel: usize, channel: usize) -> Option<f64> {
+        let odd_count = *self.odd_counts.get(pixel)?;
+        let even_count = self.counts[pixel].checked_sub(odd_count)?;
+        if odd_count == 0 || even_count == 0 {
+            return None;
         }
-        let count = f64::from(self.counts[pixel]);
-        let sum = self.sum(pixel, channel);
-        let square = self.squares.value(pixel * SQUARED_CHANNELS + channel);
-        // Rounding can make the difference slightly negative.
-        (square - sum * sum / count).max(0.0) / (count - 1.0) / count
+        let odd = self.odd_sums.value(pixel * VARIANCE_CHANNELS + channel);
+        let even = self.sum(pixel, channel) - odd;
+        let [even_count, odd_count] = [even_count, odd_count].map(f64::from);
+        let difference = even / even_count - odd / odd_count;
+        let count = even_count + odd_count;
+        Some((difference / count).powi(2) * even_count * odd_count)
+    }
+
+    /// Whether single precision holds the mean of every pixel in every channel.
+    pub(crate) fn is_finite(&self) -> bool {
+        let channels = 0..self.channel_count;
+        let is_finite = |pixel: usize| {
+            channels.clone().all(|channel| (self.mean(pixel, channel) as f32).is_finite())
+        };
+        (0..self.counts.len()).all(is_finite)
     }
 
     fn sum(&self, pixel: usize, channel: usize) -> f64 {
@@ -184,9 +212,10 @@ impl Tile {
             let key = Key::new(sample.squared_distance, id.index);
             self.nearest.add(pixel, key, of_kind(ChannelKind::Nearest));
         }
-        if !self.squares.is_empty() {
-            let place = pixel * SQUARED_CHANNELS;
-            add_squares(&mut self.squares.slice_mut(place, SQUARED_CHANNELS), sample);
+        if id.index % 2 == 1 && !self.odd_counts.is_empty() {
+            self.odd_counts[pixel] += 1;
+            let place = pixel * VARIANCE_CHANNELS;
+            add_color(&mut self.odd_sums.slice_mut(place, VARIANCE_CHANNELS), sample);
         }
     }
 }
@@ -222,10 +251,9 @@ fn add<V: Simd>(
 }
 
 #[inline(always)]
-fn add_squares(squares: &mut SumsMut<'_>, sample: &Sample) {
+fn add_color(sums: &mut SumsMut<'_>, sample: &Sample) {
     let weight = f64::from(sample.weight);
     for (channel, value) in sample.color.rgb().into_iter().enumerate() {
-        let weighted = weight * f64::from(value);
-        squares.add(channel, weighted * weighted);
+        sums.add(channel, weight * f64::from(value));
     }
 }

@@ -264,3 +264,35 @@ fn films_that_do_not_belong_together_are_not_merged() {
     let without = FilmSums::new(&without, &Noise::new(), 1).unwrap();
     assert_eq!(film.merge(&without), Err(EngineError::OtherFilm));
 }
+
+/// Replaces some bytes of a file and makes its checksum right again.
+fn forge(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+    let place = bytes.windows(from.len()).position(|window| window == from).unwrap();
+    let body = &bytes[..bytes.len() - blake3::OUT_LEN];
+    let mut forged = [&body[..place], to, &body[place + from.len()..]].concat();
+    let checksum = blake3::hash(&forged);
+    forged.extend_from_slice(checksum.as_bytes());
+    forged
+}
+
+#[test]
+fn headers_that_no_picture_can_have_are_refused() {
+    let bytes = write(&part(0, 2, [1, 1]));
+    assert!(read(&forge(&bytes, b"channel.Z", b"channel.Q")).is_ok());
+    for name in [b"variance.", b"\x1bhannel.Z"] {
+        assert!(matches!(read(&forge(&bytes, b"channel.Z", name)), Err(FilmFileError::Invalid(_))));
+    }
+    let region = |x: u32| [x, 1, 21, 18].into_iter().flat_map(u32::to_le_bytes).collect::<Vec<_>>();
+    assert!(read(&forge(&bytes, &region(5), &region(6))).is_ok());
+    let beyond = region(i32::MAX as u32 - 20);
+    assert!(matches!(read(&forge(&bytes, &region(5), &beyond)), Err(FilmFileError::Invalid(_))));
+}
+
+#[test]
+fn sums_that_no_picture_can_hold_are_refused() {
+    let bytes = write(&part(0, 2, [1, 1]));
+    // The windows of four sums of usual light become the highest ones.
+    let windows = |limit: u16| limit.to_le_bytes().repeat(4);
+    let forged = forge(&bytes, &windows(1039), &windows(2063));
+    assert!(matches!(read(&forged), Err(FilmFileError::Invalid("a pixel is not finite"))));
+}

@@ -9,6 +9,7 @@ use etendue_engine::{
     Job, Observer, Progress, Region, Sample, SampleId, SampleSource, SamplesPerPixel, Silent,
     Statistics, Workers, render_into,
 };
+use etendue_sampling::hash::mix64;
 use etendue_spectrum::Spectrum;
 
 /// A source that computes each sample by a function.
@@ -101,13 +102,35 @@ fn pixels_hold_the_mean_of_their_own_samples() {
 }
 
 #[test]
-fn the_variance_is_that_of_the_mean() {
-    let source = formula(|id| grey(id.index as f32));
-    let picture = render(&source, &job(10), 1).0.develop(ALL);
-    // The numbers 0 to 9 have the sample variance 55/6.
-    let expected = (55.0 / 6.0 / 10.0) as f32;
-    let variance = picture.channel("variance.G").unwrap();
-    assert!(variance.data.iter().all(|&value| (value - expected).abs() < 1e-6));
+fn the_variance_comes_from_the_means_of_samples_with_even_and_odd_index() {
+    // Means of 0 and 6, and a mean of all samples of 3 or, for three samples, 2.
+    let source = formula(|id| grey(if id.index % 2 == 1 { 6.0 } else { 0.0 }));
+    for (samples, expected) in [(1, 0.0), (2, 9.0), (3, 8.0), (10, 9.0)] {
+        let picture = render(&source, &job(samples), 1).0.develop(ALL);
+        let variance = picture.channel("variance.G").unwrap();
+        assert!(variance.data.iter().all(|&value| value == expected), "{samples}: {variance:?}");
+    }
+}
+
+#[test]
+fn the_variance_of_independent_samples_is_found_on_average() {
+    let uniform = |id: SampleId| {
+        let place = u64::from(id.x) << 40 ^ u64::from(id.y) << 20 ^ u64::from(id.index);
+        (mix64(place) >> 40) as f32 / 16_777_216.0
+    };
+    let picture = render(&formula(|id| grey(uniform(id))), &job(10), 1).0.develop(ALL);
+    let variances = &picture.channel("variance.G").unwrap().data;
+    let mean = variances.iter().sum::<f32>() / variances.len() as f32;
+    // Uniform samples have the variance 1/12.
+    assert!((mean * 120.0 - 1.0).abs() < 0.15, "{mean}");
+}
+
+#[test]
+fn variances_beyond_single_precision_are_its_greatest_number() {
+    let source = formula(|id| grey(if id.index % 2 == 1 { 1e30 } else { 0.0 }));
+    let picture = render(&source, &job(4), 1).0.develop(ALL);
+    let variances = &picture.channel("variance.G").unwrap().data;
+    assert!(variances.iter().all(|&value| value == f32::MAX));
 }
 
 #[test]

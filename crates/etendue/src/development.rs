@@ -3,6 +3,7 @@
 //! These settings are stored in checkpoints and parts, so that parts can be merged without the
 //! scene.
 
+use etendue_engine::Region;
 use etendue_image::{ExrPrecision, MetadataValue, ToneMap};
 use etendue_scene::SensorSetup;
 use etendue_scene::film::PixelFormat;
@@ -91,7 +92,7 @@ impl Development {
         let note = |name: &str| {
             notes.iter().find(|(other, _)| other == name).map(|(_, value)| value.as_str())
         };
-        Some(Self {
+        let development = Self {
             pixel_format: named(&PIXEL_FORMATS, note("pixel format")?)?,
             precision: named(&PRECISIONS, note("component format")?)?,
             tone_map: named(&TONE_MAPS, note("tone map")?)?,
@@ -102,7 +103,28 @@ impl Development {
             seed: note("seed")?.parse().ok()?,
             world_to_camera: parse(note("world to camera")?)?,
             world_to_ndc: parse(note("world to NDC")?)?,
-        })
+        };
+        development.is_valid().then_some(development)
+    }
+
+    /// Whether the settings can be those of a render; a file may hold anything.
+    fn is_valid(&self) -> bool {
+        let matrices = [&self.world_to_camera, &self.world_to_ndc];
+        let is_side = |side: u32| (1..=i32::MAX.unsigned_abs()).contains(&side);
+        self.exposure.is_finite()
+            && matrices.into_iter().flatten().all(|value| value.is_finite())
+            && self.film.into_iter().all(is_side)
+            && self.scene_hash.len() <= 64
+            && self.scene_hash.bytes().all(|byte| byte.is_ascii_hexdigit())
+    }
+
+    /// Whether these pixels lie within the film.
+    pub(crate) fn contains(&self, region: Region) -> bool {
+        let [width, height] = self.film;
+        let fits = |start: u32, length: u32, side: u32| {
+            start.checked_add(length).is_some_and(|end| end <= side)
+        };
+        fits(region.x, region.width, width) && fits(region.y, region.height, height)
     }
 
     /// The metadata of a picture with this many samples per pixel and this render time in seconds.
@@ -196,8 +218,19 @@ mod tests {
             fewer.remove(index);
             assert_eq!(Development::from_notes(&fewer), None, "without {}", notes[index].0);
         }
-        let mut wrong = notes;
-        wrong[4].1 = "640".to_owned();
-        assert_eq!(Development::from_notes(&wrong), None);
+        let impossible =
+            [(3, "inf"), (4, "640"), (4, "0 0"), (4, "4294967295 1"), (5, "\u{1b}[2J"), (7, "NaN")];
+        for (place, value) in impossible {
+            let mut wrong = notes.clone();
+            wrong[place].1 = value.to_owned();
+            assert_eq!(Development::from_notes(&wrong), None, "{value}");
+        }
+    }
+
+    #[test]
+    fn regions_lie_within_the_film_or_not() {
+        let contains = |x, width| development().contains(Region { x, y: 0, width, height: 360 });
+        assert!(contains(0, 640) && contains(639, 1));
+        assert!(!contains(1, 640) && !contains(u32::MAX, 1));
     }
 }

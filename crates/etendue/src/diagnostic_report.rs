@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use etendue_document::{Diagnostic, Diagnostics, Severity, Sources, Span, render_diagnostic};
+use etendue_document::{
+    Diagnostic, Diagnostics, ExcerptStyle, Severity, Sources, Span, render_diagnostic,
+};
 
 /// All diagnostics, with the source texts they refer to.
 #[derive(Clone, Debug, Default)]
@@ -44,7 +46,11 @@ impl fmt::Display for DiagnosticReport {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let errors = self.list.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
         for error in errors {
-            formatter.write_str(&render_diagnostic(error, &self.sources, false))?;
+            formatter.write_str(&render_diagnostic(
+                error,
+                &self.sources,
+                ExcerptStyle::default(),
+            ))?;
         }
         Ok(())
     }

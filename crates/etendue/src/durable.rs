@@ -49,6 +49,9 @@ pub fn write_durably_with(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     reached: &dyn Fn(WriteStep),
 ) -> io::Result<()> {
+    // Where a link stands, the file that it names is replaced.
+    let target = fs::canonicalize(path);
+    let path = target.as_deref().unwrap_or(path);
     let temporary = temporary_name(path);
     let written = write_temporary(&temporary, write, reached).and_then(|()| {
         fs::rename(&temporary, path)?;
@@ -130,8 +133,10 @@ pub fn remove_abandoned(path: &Path) {
         let name = entry.file_name();
         let bytes = name.as_encoded_bytes();
         let is_ours = bytes.starts_with(start.as_encoded_bytes()) && bytes.ends_with(b".tmp");
+        // Opening a pipe would wait for somebody to write to it.
+        let is_file = || entry.file_type().is_ok_and(|kind| kind.is_file());
         let is_abandoned = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
-        if is_ours && is_abandoned() {
+        if is_ours && is_file() && is_abandoned() {
             let _ = fs::remove_file(entry.path());
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
+use etendue_document::printable;
 use etendue_engine::{EngineError, Region};
 
 use crate::diagnostic_report::DiagnosticReport;
@@ -74,10 +75,10 @@ fn fmt_sensor(
     match choice {
         _ if available.is_empty() => return write!(formatter, "the scene has no sensor"),
         SensorChoice::Index(index) => write!(formatter, "the scene has no sensor {index}")?,
-        SensorChoice::Id(id) => write!(formatter, "the scene has no sensor `{id}`")?,
+        SensorChoice::Id(id) => write!(formatter, "the scene has no sensor `{}`", printable(id))?,
     }
     let names = available.iter().enumerate().map(|(index, id)| match id {
-        Some(id) => format!("{index} (`{id}`)"),
+        Some(id) => format!("{index} (`{}`)", printable(id)),
         None => index.to_string(),
     });
     write!(formatter, ", but {}", names.collect::<Vec<_>>().join(", "))

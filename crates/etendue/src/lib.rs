@@ -84,7 +84,7 @@ pub use etendue_spectrum as spectrum;
 pub use development::scene_name;
 pub use diagnostic_report::DiagnosticReport;
 pub use error::Error;
-pub use etendue_document::{Resources, render_diagnostic};
+pub use etendue_document::{ExcerptStyle, Resources, render_diagnostic};
 pub use etendue_engine::{
     Cancel, Defect, DefectiveSample, Defects, EngineError, FilmFile, FilmFileError, FilmRecord,
     FilmSums, FinishedPass, Observer, Progress, Region, SampleId, SamplesPerPixel, Silent,

@@ -105,8 +105,8 @@ impl Input {
 /// The options that change the picture. Search paths do not; the content of files is in the scene's
 /// hash.
 fn settings(options: &SceneOptions) -> Vec<(String, String)> {
-    // The instruction set used for rays does not change the hits.
-    let build = BuildOptions { tier: None, ..options.build.clone() };
+    // The instruction set used for rays does not change the hits, and a memory limit changes nothing.
+    let build = BuildOptions { tier: None, memory_limit: None, ..options.build.clone() };
     // Use the derived `Debug` output, so that new options are included automatically.
     let settings = [
         ("definitions", format!("{:?}", options.defines)),

@@ -2,9 +2,10 @@
 
 use std::fmt;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use etendue_document::printable;
 use etendue_engine::{FilmFile, FilmFileError, FilmRecord, FilmSums, Statistics};
 
 use crate::development::Development;
@@ -149,10 +150,13 @@ fn find_gaps(parts: &[Part<'_>]) -> Result<Vec<Range<u32>>, MergeError> {
 }
 
 impl Merged {
-    /// The picture; `None` if a part lacks its development settings. Parts written by this version
-    /// have them.
+    /// The picture; `None` if a part lacks its development settings, or they do not fit its pixels.
+    /// Parts written by this version have them.
     pub fn develop(&self) -> Option<Rendering> {
         let development = Development::from_notes(&self.record.notes)?;
+        if !development.contains(self.film.region()) {
+            return None;
+        }
         let seconds = self.record.seconds;
         let statistics = Statistics {
             samples: self.film.sample_count(),
@@ -170,21 +174,22 @@ impl fmt::Display for MergeError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nothing => write!(formatter, "there are no parts"),
-            Self::File(path, error) => write!(formatter, "{}: {error}", path.display()),
+            Self::File(path, error) => write!(formatter, "{}: {error}", shown(path)),
             Self::Different([one, other], found) => {
-                let (one, other) = (one.display(), other.display());
+                let (one, other) = (shown(one), shown(other));
                 write!(formatter, "{one} and {other} are parts of different pictures")?;
                 for Difference { name, file, other } in found {
-                    write!(formatter, "\n  {name}: {file}; {other}")?;
+                    let line = format!("{name}: {file}; {other}");
+                    write!(formatter, "\n  {}", printable(&line))?;
                 }
                 Ok(())
             }
             Self::Overlap([one, other], Range { start, end }) => {
-                let (one, other) = (one.display(), other.display());
+                let (one, other) = (shown(one), shown(other));
                 write!(formatter, "{one} and {other} both hold the samples {start}..{end}")
             }
             Self::Unfinished(path) => {
-                write!(formatter, "{} is unfinished: render it again with --resume", path.display())
+                write!(formatter, "{} is unfinished: render it again with --resume", shown(path))
             }
             Self::Missing(gaps) => {
                 let gaps: Vec<String> =
@@ -193,6 +198,11 @@ impl fmt::Display for MergeError {
             }
         }
     }
+}
+
+/// A file's name within a line of a message.
+fn shown(path: &Path) -> String {
+    printable(&path.to_string_lossy()).into_owned()
 }
 
 impl std::error::Error for MergeError {}

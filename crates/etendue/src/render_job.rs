@@ -112,7 +112,8 @@ impl RenderJob {
             }
         };
         let seed = options.seed.unwrap_or(setup.sampler.seed());
-        let sampler = SamplerSpec::new(setup.sampler.kind(), planned, seed);
+        let plan = if options.variance { SamplerSpec::in_halves } else { SamplerSpec::new };
+        let sampler = plan(setup.sampler.kind(), planned, seed);
         let job = Job {
             region: find_region(setup, options.region)?,
             first_sample,
@@ -197,6 +198,11 @@ impl RenderJob {
     /// [`Error::Engine`] if it would need too much memory.
     pub fn new_film(&self, workers: &Workers) -> Result<FilmSums, Error> {
         Ok(FilmSums::new(&self.job, &self.camera, workers.thread_count())?)
+    }
+
+    /// Whether sums, such as those of a file, have the pixels, layers and first sample of this job.
+    pub fn owns(&self, film: &FilmSums) -> bool {
+        film.belongs_to(&self.job, &self.camera)
     }
 
     /// Trains the integrator, where it learns before the picture's first sample. Call this before

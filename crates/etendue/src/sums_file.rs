@@ -82,7 +82,7 @@ impl SumsFile {
     ///
     /// [`FilmFileError`] if it cannot be read or is not a sums file.
     pub fn read_header(&self) -> Result<FilmFile, FilmFileError> {
-        FilmFile::read_header(&mut BufReader::new(File::open(&self.path)?))
+        FilmFile::read_header(&mut BufReader::new(self.open()?))
     }
 
     /// Reads the file; the sums may take up to `memory_limit` bytes.
@@ -91,12 +91,21 @@ impl SumsFile {
     ///
     /// [`FilmFileError`] if it cannot be read, is incomplete, or exceeds the memory limit.
     pub fn read(&self, memory_limit: u64) -> Result<(FilmFile, FilmSums), FilmFileError> {
-        let file = File::open(&self.path)?;
+        let file = self.open()?;
         let length = file.metadata()?.len();
         let mut input = BufReader::with_capacity(1 << 20, file);
         let header = FilmFile::read_header(&mut input)?;
         let film = header.read_sums(&mut input, length, memory_limit)?;
         Ok((header, film))
+    }
+
+    /// Opens the file if it is a regular one. Opening a pipe would wait for somebody to write to it.
+    fn open(&self) -> Result<File, FilmFileError> {
+        if std::fs::metadata(&self.path)?.is_file() {
+            Ok(File::open(&self.path)?)
+        } else {
+            Err(FilmFileError::NotAFile)
+        }
     }
 
     /// Deletes the file durably; a missing file is not an error.

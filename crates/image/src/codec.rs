@@ -35,6 +35,37 @@ pub fn decode(bytes: &[u8], file_name_hint: &str) -> Result<Bitmap, ImageError> 
     decode_with_limits(bytes, file_name_hint, &Limits::default())
 }
 
+/// The size of a picture, as its header announces it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureHeader {
+    /// In pixels.
+    pub width: u32,
+    /// In pixels.
+    pub height: u32,
+    /// The bytes of the samples that [`decode`] returns.
+    pub decoded_bytes: u64,
+    /// The bytes that [`decode`] needs at its peak.
+    pub decoding_bytes: u64,
+}
+
+/// Reads the header of a file without decoding its samples, within the default [`Limits`].
+///
+/// # Errors
+/// As [`decode`], as far as the header tells.
+pub fn read_header(bytes: &[u8], file_name_hint: &str) -> Result<PictureHeader, ImageError> {
+    let limits = &Limits::default();
+    match recognize(bytes, file_name_hint) {
+        Some(SourceFormat::Exr) => exr_part::read_header(bytes, limits),
+        Some(SourceFormat::Pfm) => pfm::read_header(bytes, limits),
+        Some(SourceFormat::Npy) => npy::read_header(bytes, limits),
+        Some(SourceFormat::Npz) => npz::read_header(bytes, limits),
+        Some(SourceFormat::Common(format, name)) => {
+            common::read_header(bytes, format, name, limits)
+        }
+        None => Err(ImageError::UnknownFormat { name: file_name_hint.to_owned() }),
+    }
+}
+
 /// [`decode`] with custom limits.
 ///
 /// # Errors

@@ -34,6 +34,11 @@ pub enum ImageError {
         /// The maximum amount.
         allowed: u64,
     },
+    /// There is no memory for the samples.
+    NoMemory {
+        /// The bytes that they need.
+        bytes: u64,
+    },
     /// The picture to be written is inconsistent, or does not fit the format.
     InvalidPicture {
         /// The problem.
@@ -77,6 +82,9 @@ impl fmt::Display for ImageError {
             }
             Self::TooLarge { what, requested, allowed } => {
                 write!(formatter, "image too large: {requested} {what}, the limit is {allowed}")
+            }
+            Self::NoMemory { bytes } => {
+                write!(formatter, "no memory for {bytes} bytes of samples")
             }
             Self::InvalidPicture { message } => {
                 write!(formatter, "the picture cannot be written: {message}")

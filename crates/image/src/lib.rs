@@ -42,8 +42,9 @@ mod tone_map;
 
 pub use bitmap::{Bitmap, Samples};
 pub use codec::{
-    BitDepth, EncodeOptions, ExrCompression, ExrPrecision, decode, decode_exr_layers,
-    decode_exr_layers_with_limits, decode_picture, decode_with_limits, encode, losses, metadata,
+    BitDepth, EncodeOptions, ExrCompression, ExrPrecision, PictureHeader, decode,
+    decode_exr_layers, decode_exr_layers_with_limits, decode_picture, decode_with_limits, encode,
+    losses, metadata, read_header,
 };
 pub use color_image::ColorImage;
 pub use error::ImageError;

@@ -19,10 +19,12 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Checks the size of an image and returns its number of samples.
+    /// Checks the size of an image and returns its number of samples. A decoder that finds no memory
+    /// ends the process, so this asks for the memory and gives it back.
     ///
     /// # Errors
-    /// [`ImageError::TooLarge`] if the image has too many samples or bytes.
+    /// [`ImageError::TooLarge`] if the image has too many samples or bytes;
+    /// [`ImageError::NoMemory`] if there is no memory for them.
     pub fn check(
         &self,
         width: u64,
@@ -40,11 +42,12 @@ impl Limits {
             let (what, allowed) = ("bytes", self.bytes);
             return Err(ImageError::TooLarge { what, requested: bytes, allowed });
         }
-        usize::try_from(samples).map_err(|_| ImageError::TooLarge {
-            what: "samples",
-            requested: samples,
-            allowed: usize::MAX as u64,
-        })
+        let count = usize::try_from(bytes).unwrap_or(usize::MAX);
+        match Vec::<u8>::new().try_reserve_exact(count) {
+            // A sample has at least one byte, so their number fits as well.
+            Ok(()) => Ok(samples as usize),
+            Err(_) => Err(ImageError::NoMemory { bytes }),
+        }
     }
 }
 
@@ -56,6 +59,13 @@ mod tests {
     fn products_beyond_64_bits_are_too_large() {
         let error = Limits::default().check(1 << 32, 1 << 32, 4, 4).unwrap_err();
         assert!(matches!(error, ImageError::TooLarge { what: "samples", .. }));
+    }
+
+    #[test]
+    fn what_no_machine_can_hold_is_an_error() {
+        let limits = Limits { samples: u64::MAX, bytes: u64::MAX };
+        let error = limits.check(1 << 31, 1 << 31, 1, 4).unwrap_err();
+        assert_eq!(error, ImageError::NoMemory { bytes: u64::MAX });
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod colors;
 mod input;
 mod keep;
 mod media;
+mod memory;
 mod shapes;
 
 pub use assets::Assets;

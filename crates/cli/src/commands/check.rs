@@ -7,7 +7,7 @@ use clap::Args;
 use super::scene::SceneArguments;
 use crate::diagnostics::Detail;
 use crate::failure::{Failure, Status};
-use crate::{diagnostics, terminal};
+use crate::{diagnostics, terminal, text};
 
 /// The arguments of `etendue check`.
 #[derive(Args, Debug)]
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         diagnostics::show_list(&loaded.diagnostics, detail);
         if !arguments.scene.quiet {
             let summary = diagnostics::summary(&loaded.diagnostics);
-            terminal::result(&format!("{}: {summary}\n", path.display()))?;
+            terminal::result(&format!("{}: {summary}\n", text::path(path)))?;
         }
         if loaded.scene.is_none() {
             status = Status::BadInput;

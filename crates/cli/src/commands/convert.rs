@@ -10,7 +10,7 @@ use etendue::image::{
 use crate::display::DisplayArguments;
 use crate::failure::{Failure, Status};
 use crate::output::Target;
-use crate::{parsers, pictures, terminal};
+use crate::{parsers, pictures, terminal, text};
 
 /// The arguments of `etendue convert`.
 #[derive(Args, Debug)]
@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         apply(&mut picture, &options);
     }
     for loss in losses(&picture, format, &options) {
-        terminal::warning(&format!("{}: {loss}", arguments.output.display()));
+        terminal::warning(&format!("{}: {loss}", text::path(&arguments.output)));
     }
     let encoded = encode(&picture, format, &options);
     match output {

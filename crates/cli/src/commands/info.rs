@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use etendue::bvh::Tier;
+use etendue::document::printable;
 use etendue::scene::{Scene, SensorSetup};
 use etendue::{Loaded, LoadedScene, Workers};
 use serde_json::{Value, json};
@@ -31,12 +32,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let workers = arguments.scene.workers()?;
     let program = program(&workers);
     let Some(path) = &arguments.path else {
-        let shown = if arguments.json {
-            format!("{:#}\n", json!({ "program": program_as_json(&program) }))
+        if arguments.json {
+            terminal::json(&json!({ "program": program_as_json(&program) }))?;
         } else {
-            rows_as_text(&program)
-        };
-        terminal::result(&shown)?;
+            terminal::result(&rows_as_text(&program))?;
+        }
         return Ok(Status::Success);
     };
     let loaded = arguments.scene.load(path, &workers)?;
@@ -44,14 +44,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let Some(LoadedScene { scene, .. }) = &loaded.scene else {
         return Ok(Status::BadInput);
     };
-    let shown = if arguments.json {
+    if arguments.json {
         let mut shown = as_json(&loaded, scene);
         shown["program"] = program_as_json(&program);
-        format!("{shown:#}\n")
+        terminal::json(&shown)?;
     } else {
-        rows_as_text(&program) + &as_text(&loaded, scene)
-    };
-    terminal::result(&shown)?;
+        terminal::result(&(rows_as_text(&program) + &as_text(&loaded, scene)))?;
+    }
     Ok(Status::Success)
 }
 
@@ -123,7 +122,7 @@ fn point(point: impl Into<[f32; 3]>) -> String {
 /// `0: 640x360, 64 samples per pixel`.
 fn sensors(scene: &Scene) -> Vec<String> {
     let describe = |(index, setup): (usize, &SensorSetup)| {
-        let id = setup.id.as_ref().map(|id| format!(" `{id}`")).unwrap_or_default();
+        let id = setup.id.as_ref().map(|id| format!(" `{}`", printable(id))).unwrap_or_default();
         let (film, count) = (&setup.film, setup.sampler.rounded_sample_count());
         format!("{index}{id}: {}x{}, {count} samples per pixel", film.width, film.height)
     };

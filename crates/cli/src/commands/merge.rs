@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let written = written.max(outputs.write_parts(&merged.film, &merged.record));
     report::clamped(&rendering);
     replay::report_without_command(&rendering.statistics.defects);
-    if !arguments.quiet {
+    if written == Status::Success && !arguments.quiet {
         report::written(&rendering, &outputs);
     }
     Ok(written)

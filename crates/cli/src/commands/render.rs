@@ -122,7 +122,7 @@ fn outputs(arguments: &Arguments) -> Result<Vec<Outputs>, Failure> {
             outputs.check_origins(&origin::name_of_scene(scene))?;
         }
         if all.contains(&outputs) {
-            let name = names[0].display();
+            let name = text::path(&names[0]);
             return Err(Failure::bad_input(format!("two scenes would be written to {name}")));
         }
         all.push(outputs);
@@ -177,7 +177,7 @@ impl Host<'_> {
             (Some(checkpoint), Some(header)) => {
                 let film = resume::read(checkpoint, header, &job)?;
                 let held = text::counted(film.samples_per_pixel().least as usize, "sample");
-                let name = checkpoint.path().display();
+                let name = text::path(checkpoint.path());
                 self.say(&format!("resuming from {name}: {held} per pixel"));
                 film
             }
@@ -205,7 +205,8 @@ impl Host<'_> {
             (false, true) => ProgressMode::Silent,
             (false, false) => ProgressMode::Default,
         };
-        let display = ProgressDisplay::new(mode);
+        let _locks = run.outputs.lock()?;
+        let display = ProgressDisplay::new(mode, self.signals.cancel());
         let writer = CheckpointWriter {
             job: run.job,
             film: run.film,
@@ -236,7 +237,7 @@ impl Host<'_> {
         let (status, rendering) = self.write(run, &writer, statistics);
         report::clamped(&rendering);
         replay::report(&rendering.statistics.defects);
-        if !arguments.scene.quiet {
+        if status == Status::Success && !arguments.scene.quiet {
             report::written(&rendering, run.outputs);
         }
         if arguments.scene.verbose {
@@ -249,7 +250,7 @@ impl Host<'_> {
             "stopped_early": rendering.statistics.cancelled,
             "written": status == Status::Success,
         }));
-        Ok(status)
+        Ok(status.max(display.status()))
     }
 
     /// Writes the outputs, and removes the checkpoint once all of them are safely written.
@@ -273,12 +274,12 @@ impl Host<'_> {
             } else if let Some(checkpoint) = &run.checkpoint
                 && let Err(error) = checkpoint.remove()
             {
-                let name = checkpoint.path().display();
+                let name = text::path(checkpoint.path());
                 terminal::warning(&format!("cannot remove the obsolete {name}: {error}"));
             }
         }
         if let Some(checkpoint) = run.checkpoint.as_ref().filter(|_| is_saved) {
-            let name = checkpoint.path().display();
+            let name = text::path(checkpoint.path());
             self.say(&format!("{name} holds the samples: --resume continues from them"));
         }
         (status, rendering)
@@ -318,13 +319,13 @@ fn options(arguments: &Arguments, scene: &Path, planned: Option<u32>) -> RenderO
         exposure: arguments.display.exposure,
         tone_map: arguments.display.tone_map(),
         scene_name: origin::name_of_scene(scene),
-        memory_limit: memory::available(),
+        memory_limit: arguments.scene.memory.or_else(memory::available),
     }
 }
 
 /// Converts an error of the library. All but a failure to start threads are due to the input.
 fn failure(scene: &Path, error: Error) -> Failure {
-    let message = format!("{}: {error}", scene.display());
+    let message = format!("{}: {error}", text::path(scene));
     match error {
         Error::Engine(EngineError::Threads(_)) => Failure::failed(message),
         _ => Failure::bad_input(message),

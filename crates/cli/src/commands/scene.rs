@@ -12,7 +12,7 @@ use etendue::{Files, Loaded, SceneOptions, Workers, load};
 
 use crate::diagnostics::Detail;
 use crate::failure::Failure;
-use crate::parsers;
+use crate::{memory, parsers};
 
 /// How scenes are loaded.
 #[derive(Args, Debug)]
@@ -41,8 +41,12 @@ pub(crate) struct SceneArguments {
     /// Treat missing files as warnings, and load the scene without them
     #[arg(long)]
     skip_missing: bool,
+    /// Memory for pictures, meshes and their trees, such as 512MB or 8GB; most of what is available
+    /// by default
+    #[arg(long, value_name = "SIZE", value_parser = parsers::memory)]
+    pub(crate) memory: Option<u64>,
     /// Number of threads; one per processor by default. Does not change the picture
-    #[arg(short = 't', long, value_name = "COUNT")]
+    #[arg(short = 't', long, value_name = "COUNT", value_parser = parsers::threads)]
     pub(crate) threads: Option<std::num::NonZeroUsize>,
     /// Use only baseline CPU instructions. Does not change the picture
     #[arg(long)]
@@ -88,7 +92,10 @@ impl SceneArguments {
             Failure::failed(format!("cannot determine the working directory: {error}"))
         })?;
         let options = self.options();
-        Ok(workers.run(|| load(path, folder, &Files::default(), &options)))
+        let files = Files::default();
+        let size_limit = options.build.memory_limit.unwrap_or(files.size_limit);
+        let files = Files { size_limit: size_limit.min(files.size_limit) };
+        Ok(workers.run(|| load(path, folder, &files, &options)))
     }
 
     fn options(&self) -> SceneOptions {
@@ -99,6 +106,7 @@ impl SceneArguments {
                 film_size: self.size,
                 filter: self.filter.clone(),
                 skip_missing: self.skip_missing,
+                memory_limit: self.memory.or_else(memory::for_scene),
                 tier: self.portable.then_some(Tier::Portable),
                 ..BuildOptions::default()
             },

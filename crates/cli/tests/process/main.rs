@@ -3,6 +3,9 @@
 
 mod broken;
 mod checkpoints;
+mod docs;
+mod forged;
+mod limits;
 mod merging;
 mod outputs;
 mod pictures;
@@ -11,3 +14,4 @@ mod run;
 mod scenes;
 #[cfg(unix)]
 mod signals;
+mod terminal;

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM.
+//! Ctrl-C, SIGTERM and SIGHUP.
 
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -32,7 +32,7 @@ fn finish(child: Child) -> Outcome {
 
 #[test]
 fn a_signal_stops_the_render_and_saves_its_results() {
-    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let workplace = Workplace::new();
         let child = start(&workplace);
         wait_until_rendering();
@@ -66,4 +66,19 @@ fn a_signal_during_loading_ends_the_process_at_once_and_leaves_no_file() {
     let outcome = finish(child);
     assert_eq!(outcome.code, Some(130), "{}", outcome.stderr);
     assert_eq!(workplace.files(), ["large.xml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_render_under_nohup_survives_the_terminal() {
+    let workplace = Workplace::new();
+    let binary = crate::run::binary();
+    let scene = small_scene();
+    let mut command = Command::new("nohup");
+    command.current_dir(workplace.path("")).arg(binary);
+    command.args(["render", &scene, "-q", "--time", "4s", "--no-checkpoint", "-o", "a.exr"]);
+    let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
+    wait_until_rendering();
+    send("-HUP", &child);
+    assert_eq!(finish(child).code, Some(0));
 }

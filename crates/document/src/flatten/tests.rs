@@ -64,8 +64,10 @@ fn every_place_has_a_path() {
 #[test]
 fn findings_show_the_path_where_texts_show_an_excerpt() {
     let (document, found) = build(Node::scene().child(Node::shape("").with("a", f64::NAN)));
-    let shown: String =
-        found.iter().map(|found| render_diagnostic(found, &document.sources, false)).collect();
+    let shown: String = found
+        .iter()
+        .map(|found| render_diagnostic(found, &document.sources, ExcerptStyle::default()))
+        .collect();
     let expected = "\
 error: this shape names no plugin
  = at scene.shape
@@ -87,7 +89,7 @@ fn unknown_and_repeated_ids_are_reported() {
         messages,
         ["the id `wood` is given twice", "there is no object with the id `woood`"]
     );
-    let shown = render_diagnostic(&found[0], &document.sources, false);
+    let shown = render_diagnostic(&found[0], &document.sources, ExcerptStyle::default());
     assert!(shown.contains("at scene.bsdfs[1]\n"), "{shown}");
     assert!(shown.contains("at scene.bsdfs[0]: given here before"), "{shown}");
     assert_eq!(found[1].help, ["did you mean `wood`?"]);

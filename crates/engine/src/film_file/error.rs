@@ -11,6 +11,8 @@ use crate::error::EngineError;
 pub enum FilmFileError {
     /// Reading failed.
     Io(io::Error),
+    /// This is not a regular file, but a folder, a pipe or a device.
+    NotAFile,
     /// The file is not a film's.
     NotSums,
     /// The file has another version of the format.
@@ -36,6 +38,7 @@ impl fmt::Display for FilmFileError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Io(error) => error.fmt(formatter),
+            Self::NotAFile => write!(formatter, "this is not a regular file"),
             Self::NotSums => write!(formatter, "this is not a checkpoint or a part of a picture"),
             Self::Version(version) => write!(
                 formatter,

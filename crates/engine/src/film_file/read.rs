@@ -1,13 +1,14 @@
 //! From bytes to sums. The bytes may come from anywhere: everything is checked.
 
+use std::collections::HashSet;
 use std::io::Read;
 
 use super::bytes::{Cursor, HashingReader};
 use super::error::FilmFileError;
 use super::format::{CHECKSUM_BYTES, FilmRecord, MAGIC, PREFIX_BYTES, VERSION};
 use crate::exact_sums::ExactSums;
-use crate::film_sums::{FilmLayout, FilmSums};
-use crate::nearest::{Key, Nearest};
+use crate::film_sums::{FilmLayout, FilmSums, VARIANCE_LAYER};
+use crate::nearest::Key;
 use crate::region::{Region, TILE_SIDES};
 use crate::source::SampleId;
 use crate::splats::Splats;
@@ -30,7 +31,7 @@ pub struct FilmFile {
     pub channel_names: Vec<String>,
     /// One for each name.
     channel_kinds: Vec<ChannelKind>,
-    /// Whether there are squares, for variances.
+    /// Whether samples with odd index are summed apart too, for variances.
     pub variance: bool,
     /// Whether there are splats.
     splats: bool,
@@ -94,7 +95,10 @@ impl FilmFile {
 
     fn check(&self) -> Result<(), FilmFileError> {
         let Region { x, y, width, height } = self.region;
-        let fits = |start: u32, length: u32| length > 0 && start.checked_add(length).is_some();
+        // Picture files have signed coordinates.
+        let fits = |start: u32, length: u32| {
+            length > 0 && start.checked_add(length).is_some_and(|end| i32::try_from(end).is_ok())
+        };
         if !fits(x, width) || !fits(y, height) {
             return Err(FilmFileError::Invalid("its region is not valid"));
         }
@@ -106,6 +110,9 @@ impl FilmFile {
         }
         if self.channel_kinds.len() != self.channel_names.len() {
             return Err(FilmFileError::Invalid("its channels do not match their kinds"));
+        }
+        if !are_layer_names(&self.channel_names) {
+            return Err(FilmFileError::Invalid("the names of its layers are not valid"));
         }
         if !self.record.seconds.is_finite() || self.record.seconds < 0.0 {
             return Err(FilmFileError::Invalid("its time is not valid"));
@@ -158,6 +165,9 @@ impl FilmFile {
         for mut row in film.splats().into_iter().flat_map(Splats::rows) {
             let bytes = input.read(ExactSums::BYTES * row.len() as u64)?;
             read_sums(&mut Cursor(&bytes), &mut row, MAX_SPLATS)?;
+            if (0..row.len()).any(|index| !(row.value(index) as f32).is_finite()) {
+                return Err(FilmFileError::Invalid("a splat is not finite"));
+            }
         }
         let checksum = input.hasher.finalize();
         if input.left != CHECKSUM_BYTES as u64
@@ -169,10 +179,26 @@ impl FilmFile {
     }
 }
 
+/// Whether names can be those of a picture's channels beside colour, alpha and variances.
+fn are_layer_names(names: &[String]) -> bool {
+    /// The greatest length that OpenEXR permits.
+    const MAX_BYTES: usize = 255;
+    /// The names of a developed picture's own channels.
+    const OWN: [&str; 8] = ["R", "G", "B", "A", "X", "Y", "Z", VARIANCE_LAYER];
+    let is_name = |name: &String| {
+        let layer = name.split('.').next().unwrap_or_default();
+        (1..=MAX_BYTES).contains(&name.len())
+            && !name.contains(char::is_control)
+            && !OWN.contains(&name.as_str())
+            && layer != VARIANCE_LAYER
+    };
+    let mut known = HashSet::new();
+    names.iter().all(|name| is_name(name) && known.insert(name))
+}
+
 /// The bytes of the counts and sums of some pixels.
 fn tile_bytes(pixel_count: u64, kind: TileKind) -> u64 {
-    let nearest = Nearest::bytes_per_pixel(kind.nearest_channel_count);
-    pixel_count.saturating_mul(4 + ExactSums::BYTES * kind.sums_per_pixel() + nearest)
+    pixel_count.saturating_mul(kind.bytes_per_pixel())
 }
 
 fn read_tile(
@@ -203,8 +229,17 @@ fn read_tile(
             return Err(FilmFileError::Invalid("a pixel has more samples than its tile"));
         }
     }
+    for (odd, all) in tile.odd_counts.iter_mut().zip(&tile.counts) {
+        *odd = cursor.u32()?;
+        if *odd > *all {
+            return Err(FilmFileError::Invalid("a pixel has more odd samples than samples"));
+        }
+    }
     read_sums(&mut cursor, &mut tile.sums, given)?;
-    read_sums(&mut cursor, &mut tile.squares, given)?;
+    read_sums(&mut cursor, &mut tile.odd_sums, given)?;
+    if !tile.is_finite() {
+        return Err(FilmFileError::Invalid("a pixel is not finite"));
+    }
     if kind.nearest_channel_count > 0 {
         read_nearest(&mut cursor, tile, kind.nearest_channel_count)?;
     }

@@ -85,11 +85,11 @@ impl FilmSums {
 fn push_tile(bytes: &mut Vec<u8>, tile: &Tile) {
     bytes.extend_from_slice(&tile.next_sample.to_le_bytes());
     push_defects(bytes, &tile.defects);
-    for count in &tile.counts {
+    for count in tile.counts.iter().chain(&tile.odd_counts) {
         bytes.extend_from_slice(&count.to_le_bytes());
     }
     push_sums(bytes, &tile.sums);
-    push_sums(bytes, &tile.squares);
+    push_sums(bytes, &tile.odd_sums);
     if !tile.nearest.is_empty() {
         for pixel in 0..tile.counts.len() {
             let (key, values) = tile.nearest.pixel(pixel);

@@ -14,7 +14,9 @@ use super::file_colors::{FileColors, png_colors};
 use super::losses::{GREATEST_HDR, LEAST_HDR};
 use super::png_chunks;
 use crate::numeric::clamp_number;
-use crate::{Bitmap, EncodeOptions, FileFormat, ImageError, Limits, Picture, Samples};
+use crate::{
+    Bitmap, EncodeOptions, FileFormat, ImageError, Limits, Picture, PictureHeader, Samples,
+};
 
 /// The maximum expansion of any format: deflate reaches a factor of 1032, and a palette of one bit
 /// per pixel another 32. A header that claims more is rejected before memory is allocated.
@@ -27,29 +29,57 @@ pub(super) fn decode(
     name: &'static str,
     limits: &Limits,
 ) -> Result<Bitmap, ImageError> {
-    let context = Context { name, file_size: bytes.len(), limits };
-    if format == image::ImageFormat::Hdr {
-        // Files that start with "#?RGBE" are as common as "#?RADIANCE", which the strict decoder
-        // requires.
-        let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
-        return context.read(decoder.map_err(|error| read_error(name, error))?);
-    }
     let mut colors = FileColors::default();
     if format == image::ImageFormat::Png {
-        check_palette(bytes)?;
         colors = png_colors(bytes);
     } else if format == image::ImageFormat::Qoi && bytes.get(QOI_COLOR_SPACE) == Some(&1) {
         colors.is_linear = true;
     }
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    reader.limits(decoder_limits(limits));
-    let mut decoder = reader.into_decoder().map_err(|error| read_error(name, error))?;
+    let mut decoder = open(bytes, format, name, limits)?;
     if let Ok(Some(profile)) = decoder.icc_profile() {
         colors.read_profile(&profile);
     }
-    let mut bitmap = context.read(decoder)?;
+    let mut bitmap = Context { name, file_size: bytes.len(), limits }.read(decoder)?;
     colors.apply(&mut bitmap);
     Ok(bitmap)
+}
+
+/// The size that the header of a file announces.
+pub(super) fn read_header(
+    bytes: &[u8],
+    format: image::ImageFormat,
+    name: &'static str,
+    limits: &Limits,
+) -> Result<PictureHeader, ImageError> {
+    let decoder = open(bytes, format, name, limits)?;
+    Context { name, file_size: bytes.len(), limits }.check_size(&decoder)?;
+    let (width, height) = decoder.dimensions();
+    let decoded_bytes = decoder.total_bytes();
+    // The decoder of TIFF copies all samples at the end; the others write them where they stay.
+    let copies = if format == image::ImageFormat::Tiff { 2 } else { 1 };
+    let decoding_bytes = decoded_bytes.saturating_mul(copies);
+    Ok(PictureHeader { width, height, decoded_bytes, decoding_bytes })
+}
+
+/// Reads the header of a file.
+fn open<'a>(
+    bytes: &'a [u8],
+    format: image::ImageFormat,
+    name: &'static str,
+    limits: &Limits,
+) -> Result<Box<dyn ImageDecoder + 'a>, ImageError> {
+    if format == image::ImageFormat::Hdr {
+        // Files that start with "#?RGBE" are as common as "#?RADIANCE", which the strict decoder
+        // requires.
+        let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
+        return Ok(Box::new(decoder.map_err(|error| read_error(name, error))?));
+    }
+    if format == image::ImageFormat::Png {
+        check_palette(bytes)?;
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(decoder_limits(limits));
+    Ok(Box::new(reader.into_decoder().map_err(|error| read_error(name, error))?))
 }
 
 /// The place of the byte that says whether a QOI file is linear.

@@ -51,6 +51,11 @@ impl Sampled {
         sampling.iter().any(|distance| *distance != Vec2(1, 1)).then_some(Self { bytes, sampling })
     }
 
+    /// The file with a sampling of one in its header, and the true sampling of each channel.
+    pub(super) fn with_full_sampling(&self) -> (&[u8], &[Vec2<usize>]) {
+        (&self.bytes, &self.sampling)
+    }
+
     /// Reads the channels of the first part, interpolated to full resolution.
     pub(super) fn read_part(&self, limits: &Limits) -> Result<Part, ImageError> {
         let reader = guarded(|| exr::block::read(Cursor::new(&self.bytes), false))?;

@@ -18,7 +18,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::exr_chroma::{Sampled, convert_to_rgb};
-use crate::{ImageError, Limits};
+use crate::{ImageError, Limits, PictureHeader};
 
 /// The format's name in messages.
 pub(super) const FORMAT: &str = "OpenEXR";
@@ -75,6 +75,28 @@ fn read_full(bytes: &[u8], limits: &Limits) -> Result<Part, ImageError> {
 pub(super) fn read_headers(bytes: &[u8]) -> Result<Vec<Header>, ImageError> {
     let meta_data = guarded(|| MetaData::read_from_buffered(Cursor::new(bytes), false))?;
     Ok(meta_data.headers.into_vec())
+}
+
+/// The size that the header of the first part announces.
+pub(super) fn read_header(bytes: &[u8], limits: &Limits) -> Result<PictureHeader, ImageError> {
+    let sampled = Sampled::find(bytes);
+    let (bytes, sampling) = match &sampled {
+        Some(sampled) => sampled.with_full_sampling(),
+        None => (bytes, &[][..]),
+    };
+    let headers = read_headers(bytes)?;
+    let header = check_headers(&headers, bytes.len(), limits, sampling)?;
+    let Vec2(width, height) = header.layer_size;
+    let samples = (width as u64 * height as u64).saturating_mul(header.channels.list.len() as u64);
+    let decoded_bytes = samples.saturating_mul(size_of::<f32>() as u64);
+    Ok(PictureHeader {
+        // The check has found that they fit.
+        width: width as u32,
+        height: height as u32,
+        decoded_bytes,
+        // Planes first, which are then interleaved.
+        decoding_bytes: decoded_bytes.saturating_mul(2),
+    })
 }
 
 /// Calls the `exr` crate, and turns panics into errors: its checks are incomplete, and some

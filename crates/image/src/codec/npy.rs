@@ -3,7 +3,7 @@
 use half::f16;
 
 use super::channel_names;
-use crate::{Bitmap, ImageError, Limits, MainLayer, Picture, Samples};
+use crate::{Bitmap, ImageError, Limits, MainLayer, Picture, PictureHeader, Samples};
 
 /// The format's name in messages.
 pub(super) const FORMAT: &str = "NumPy array";
@@ -12,6 +12,9 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// The longest header that is read, in bytes.
 const MAX_HEADER: usize = 1 << 16;
+
+/// The bytes at the start of a file that hold its header, whatever it is.
+pub(super) const MAX_START: usize = MAX_HEADER + 12;
 
 /// The most channels of an array.
 const MAX_CHANNELS: usize = 64;
@@ -36,36 +39,69 @@ pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError
     Ok(array.into_bitmap())
 }
 
+/// The size that the header announces. The array may be cut off after it.
+pub(super) fn read_header(bytes: &[u8], limits: &Limits) -> Result<PictureHeader, ImageError> {
+    let Layout { width, height, length, is_fortran, .. } = Layout::read(bytes, limits)?;
+    let decoded_bytes = length as u64;
+    let decoding_bytes = decoded_bytes.saturating_mul(if is_fortran { 2 } else { 1 });
+    Ok(PictureHeader { width, height, decoded_bytes, decoding_bytes })
+}
+
 /// Decodes an array of any number of channels.
 pub(super) fn decode_array(bytes: &[u8], limits: &Limits) -> Result<Array, ImageError> {
-    let (header, body) = split_header(bytes)?;
-    let malformed = |what: &str| ImageError::malformed(FORMAT, what);
-    let descr = text_value(header, "descr").ok_or_else(|| malformed("it has no `descr`"))?;
-    let shape = shape(header).ok_or_else(|| malformed("it has no valid `shape`"))?;
-    let (height, width, channels) = match *shape.as_slice() {
-        [height, width] => (height, width, 1),
-        [height, width, channels] if channels <= MAX_CHANNELS => (height, width, channels),
-        _ => {
-            let message = format!("the shape {shape:?} instead of (height, width, channels)");
-            return Err(ImageError::unsupported(FORMAT, message));
-        }
-    };
-    let side = |side: usize| u32::try_from(side).ok().filter(|side| *side > 0);
-    let sides = side(height).zip(side(width)).zip(side(channels));
-    let ((height, width), channels) = sides.ok_or_else(|| malformed("it has no pixels"))?;
-    let kind = Kind::of(descr).ok_or_else(|| {
-        let message = format!("the number type `{descr}` instead of floats or unsigned integers");
-        ImageError::unsupported(FORMAT, message)
-    })?;
-    let count = limits.check(width.into(), height.into(), channels.into(), 4)?;
-    let length = count.saturating_mul(kind.bytes);
+    let Layout { height, width, channels, kind, length, is_fortran, body } =
+        Layout::read(bytes, limits)?;
     let body = body.get(..length).ok_or_else(|| {
-        malformed(&format!("its shape takes {length} bytes, but {} follow", body.len()))
+        let message = format!("its shape takes {length} bytes, but {} follow", body.len());
+        ImageError::malformed(FORMAT, message)
     })?;
     let samples = kind.read(body);
     let array = Array { height, width, channels, samples };
-    let is_fortran = value(header, "fortran_order").is_some_and(|text| text.starts_with("True"));
     Ok(if is_fortran { array.transposed() } else { array })
+}
+
+/// What the header of an array says.
+struct Layout<'a> {
+    height: u32,
+    width: u32,
+    channels: u32,
+    kind: Kind,
+    /// The bytes of all numbers.
+    length: usize,
+    /// Whether the first index varies fastest.
+    is_fortran: bool,
+    /// What follows the header.
+    body: &'a [u8],
+}
+
+impl<'a> Layout<'a> {
+    fn read(bytes: &'a [u8], limits: &Limits) -> Result<Self, ImageError> {
+        let (header, body) = split_header(bytes)?;
+        let malformed = |what: &str| ImageError::malformed(FORMAT, what);
+        let descr = text_value(header, "descr").ok_or_else(|| malformed("it has no `descr`"))?;
+        let shape = shape(header).ok_or_else(|| malformed("it has no valid `shape`"))?;
+        let (height, width, channels) = match *shape.as_slice() {
+            [height, width] => (height, width, 1),
+            [height, width, channels] if channels <= MAX_CHANNELS => (height, width, channels),
+            _ => {
+                let message = format!("the shape {shape:?} instead of (height, width, channels)");
+                return Err(ImageError::unsupported(FORMAT, message));
+            }
+        };
+        let side = |side: usize| u32::try_from(side).ok().filter(|side| *side > 0);
+        let sides = side(height).zip(side(width)).zip(side(channels));
+        let ((height, width), channels) = sides.ok_or_else(|| malformed("it has no pixels"))?;
+        let kind = Kind::of(descr).ok_or_else(|| {
+            let message =
+                format!("the number type `{descr}` instead of floats or unsigned integers");
+            ImageError::unsupported(FORMAT, message)
+        })?;
+        let count = limits.check(width.into(), height.into(), channels.into(), 4)?;
+        let length = count.saturating_mul(kind.bytes);
+        let is_fortran =
+            value(header, "fortran_order").is_some_and(|text| text.starts_with("True"));
+        Ok(Self { height, width, channels, kind, length, is_fortran, body })
+    }
 }
 
 /// Encodes the main layer.

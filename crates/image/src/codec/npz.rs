@@ -2,7 +2,7 @@
 
 use super::npy::{self, Array};
 use super::zip;
-use crate::{Bitmap, ImageError, Limits, Picture};
+use crate::{Bitmap, ImageError, Limits, Picture, PictureHeader};
 
 /// The format's name in messages.
 const FORMAT: &str = "NumPy archive";
@@ -23,6 +23,18 @@ pub(super) fn decode_bitmap(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Ima
         return Err(ImageError::unsupported(FORMAT, message));
     }
     Ok(array.into_bitmap())
+}
+
+/// The size that the header of the main layer's array announces. All arrays are unpacked to decode it.
+pub(super) fn read_header(bytes: &[u8], limits: &Limits) -> Result<PictureHeader, ImageError> {
+    let starts = zip::read_starts(bytes, npy::MAX_START)?;
+    let main = format!("{MAIN}{ENDING}");
+    let first = starts.iter().find(|file| file.name == main).or_else(|| starts.first());
+    let first = first.ok_or_else(|| ImageError::malformed(FORMAT, "it has no arrays"))?;
+    let header = npy::read_header(&first.start, limits)?;
+    let unpacked = starts.iter().map(|file| file.size).fold(0, u64::saturating_add);
+    let decoding_bytes = header.decoding_bytes.saturating_add(unpacked.saturating_mul(2));
+    Ok(PictureHeader { decoding_bytes, ..header })
 }
 
 /// Decodes all arrays. Layers other than the main one are taken as they are, and get the channels

@@ -1,6 +1,6 @@
 //! Portable float maps: a text header, then rows of floats from bottom to top.
 
-use crate::{Bitmap, ImageError, Limits, Picture, Samples};
+use crate::{Bitmap, ImageError, Limits, Picture, PictureHeader, Samples};
 
 const FORMAT: &str = "PFM";
 
@@ -43,6 +43,14 @@ pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError
     let rows = body.chunks_exact(row_bytes).rev();
     let samples = rows.flat_map(|row| row.as_chunks().0).map(convert).collect();
     Ok(Bitmap { width, height, channels, samples: Samples::F32(samples), ..Bitmap::default() })
+}
+
+/// The size that the header announces.
+pub(super) fn read_header(bytes: &[u8], limits: &Limits) -> Result<PictureHeader, ImageError> {
+    let Header { width, height, channels, .. } = parse_header(bytes)?;
+    let count = limits.check(width.into(), height.into(), channels.into(), 4)?;
+    let bytes = count as u64 * 4;
+    Ok(PictureHeader { width, height, decoded_bytes: bytes, decoding_bytes: bytes })
 }
 
 /// Encodes the main layer: little endian, grey or RGB, without alpha.

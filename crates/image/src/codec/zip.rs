@@ -26,23 +26,47 @@ const DATE: u16 = 1 << 5 | 1;
 
 /// Names and contents of the files in an archive. Together they stay within the limit of bytes.
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Vec<(String, Vec<u8>)>, ImageError> {
+    let entries = entries(bytes)?;
+    let total = entries.iter().fold(0_u64, |total, entry| total.saturating_add(entry.size.into()));
+    if total > limits.bytes {
+        let (what, allowed) = ("bytes", limits.bytes);
+        return Err(ImageError::TooLarge { what, requested: total, allowed });
+    }
+    entries.into_iter().map(|entry| Ok((entry.name.clone(), entry.unpack(bytes)?))).collect()
+}
+
+/// The start of a file in an archive.
+pub(super) struct FileStart {
+    pub(super) name: String,
+    /// The size of the file, as the directory says.
+    pub(super) size: u64,
+    /// Its first bytes.
+    pub(super) start: Vec<u8>,
+}
+
+/// Reads the first bytes of all files, at most `count` of each.
+pub(super) fn read_starts(bytes: &[u8], count: usize) -> Result<Vec<FileStart>, ImageError> {
+    let start = |entry: Entry| FileStart {
+        size: entry.size.into(),
+        start: entry.unpack_start(bytes, count),
+        name: entry.name,
+    };
+    Ok(entries(bytes)?.into_iter().map(start).collect())
+}
+
+/// The directory.
+fn entries(bytes: &[u8]) -> Result<Vec<Entry>, ImageError> {
     let malformed = || ImageError::malformed(FORMAT, "its directory is not valid");
     let end = find_end(bytes).ok_or_else(malformed)?;
     let count = short(bytes, end + 10).ok_or_else(malformed)?;
     let mut at = long(bytes, end + 16).ok_or_else(malformed)? as usize;
-    let mut total = 0_u64;
-    let mut files = Vec::new();
+    let mut entries = Vec::new();
     for _ in 0..count {
         let entry = Entry::read(bytes, at).ok_or_else(malformed)?;
-        total = total.saturating_add(entry.size.into());
-        if total > limits.bytes {
-            let (what, allowed) = ("bytes", limits.bytes);
-            return Err(ImageError::TooLarge { what, requested: total, allowed });
-        }
-        files.push((entry.name.clone(), entry.unpack(bytes)?));
         at = entry.next;
+        entries.push(entry);
     }
-    Ok(files)
+    Ok(entries)
 }
 
 /// An archive of stored files.
@@ -163,6 +187,19 @@ impl Entry {
             return Err(malformed("its checksum is wrong"));
         }
         Ok(content)
+    }
+
+    /// The first bytes, at most `count`; fewer where the file is damaged.
+    fn unpack_start(&self, bytes: &[u8], count: usize) -> Vec<u8> {
+        let packed = self.packed(bytes).unwrap_or_default();
+        if self.method == 0 {
+            return packed[..packed.len().min(count)].to_vec();
+        }
+        let mut start = Vec::new();
+        let mut decoder = DeflateDecoder::new(packed).take(count as u64);
+        // What was read before an error stays.
+        let _ = decoder.read_to_end(&mut start);
+        start
     }
 
     /// The bytes that follow the local header, whose name and extra field may have other lengths than

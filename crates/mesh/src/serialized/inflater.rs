@@ -31,7 +31,12 @@ impl<'a> Inflater<'a> {
     /// Rejects a size that the stream cannot possibly hold.
     pub(super) fn check_room(&self, size: u128) -> Result<(), MeshError> {
         if size <= self.compressed_size as u128 * MAX_RATIO {
-            return Ok(());
+            // Vectors that find no memory end the process, so this asks for it and gives it back.
+            let bytes = usize::try_from(size).unwrap_or(usize::MAX);
+            return Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+                let message = format!("no memory for the {size} bytes that the shape announces");
+                self.error(MeshErrorKind::Limit, message)
+            });
         }
         Err(self.error(
             MeshErrorKind::Truncated,

@@ -186,8 +186,15 @@ fn what_is_shown_for_each_case_holds_its_file_and_line() {
             Err(sources) => sources,
         };
         let found = diagnostics.sorted().into_iter();
-        let shown: String =
-            found.map(|f| etendue_document::render_diagnostic(&f, &sources, false)).collect();
+        let shown: String = found
+            .map(|f| {
+                etendue_document::render_diagnostic(
+                    &f,
+                    &sources,
+                    etendue_document::ExcerptStyle::default(),
+                )
+            })
+            .collect();
         for (_, _, line) in case.findings {
             assert!(shown.contains(&format!("{}:{line}:", case.name)), "{shown}");
         }

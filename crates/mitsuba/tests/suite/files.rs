@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use etendue_document::Fault::{Io, Limit, Syntax};
-use etendue_document::{Diagnostics, MemoryResources, Severity, Value, render_diagnostic};
+use etendue_document::{
+    Diagnostics, ExcerptStyle, MemoryResources, Severity, Value, render_diagnostic,
+};
 use etendue_mitsuba::{Limits, LoadOptions, read_file};
 
 use super::{Loaded, names, nested, object, value};
@@ -159,7 +161,11 @@ fn a_missing_scene_has_no_place() {
     assert!(read_file(path, &resources, &LoadOptions::default(), &diagnostics).is_err());
     let found = diagnostics.sorted();
     assert_eq!((found[0].fault, found[0].span), (Io, None));
-    let text = render_diagnostic(&found[0], &etendue_document::Sources::default(), false);
+    let text = render_diagnostic(
+        &found[0],
+        &etendue_document::Sources::default(),
+        ExcerptStyle::default(),
+    );
     assert_eq!(text, "error: cannot read /none.xml: no such file\n");
 }
 

@@ -54,8 +54,13 @@ impl Loaded {
     /// Everything as a user would see it.
     fn shown(&self) -> String {
         let found = self.diagnostics.sorted().into_iter();
-        let render =
-            |found| etendue_document::render_diagnostic(&found, &self.document.sources, false);
+        let render = |found| {
+            etendue_document::render_diagnostic(
+                &found,
+                &self.document.sources,
+                etendue_document::ExcerptStyle::default(),
+            )
+        };
         found.map(render).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! Random damage to a valid scene: whatever comes of it, nothing panics.
 
-use etendue_document::{Diagnostics, MemoryResources, render_diagnostic};
+use etendue_document::{Diagnostics, ExcerptStyle, MemoryResources, render_diagnostic};
 use etendue_mitsuba::{LoadOptions, read_file};
 use proptest::prelude::*;
 use std::path::Path;
@@ -83,7 +83,8 @@ proptest! {
         prop_assert!(document.is_ok() || diagnostics.has_errors());
         let Ok(document) = document else { return Ok(()) };
         for found in diagnostics.sorted() {
-            prop_assert!(!render_diagnostic(&found, &document.sources, true).is_empty());
+            let style = ExcerptStyle { is_colored: true, ..ExcerptStyle::default() };
+            prop_assert!(!render_diagnostic(&found, &document.sources, style).is_empty());
         }
         // Every child exists, and every plugin's reader can be made and finished.
         for index in 0..document.nodes.len() {

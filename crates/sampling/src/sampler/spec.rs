@@ -14,6 +14,8 @@ const MAX_PLANNED: u32 = 1 << 30;
 pub struct SamplerSpec {
     kind: SamplerKind,
     seed: u64,
+    /// How many independent sequences take turns in giving a pixel its samples.
+    sequences: u32,
     pub(super) sets: SampleSets,
 }
 
@@ -31,7 +33,22 @@ impl SamplerSpec {
             SamplerKind::LowDiscrepancy => (planned.next_power_of_two(), 1),
             _ => (planned, 1),
         };
-        Self { kind, seed, sets: SampleSets { count: columns * rows, columns, rows } }
+        let sets = SampleSets { count: columns * rows, columns, rows };
+        Self { kind, seed, sequences: 1, sets }
+    }
+
+    /// A plan whose samples with even and with odd index come from two independent sequences, each
+    /// planned for half of the samples. From the difference of their means follows the variance of
+    /// the pixel, which the samples of a single sequence cannot tell, because they depend on each
+    /// other.
+    ///
+    /// Independent samples need no second sequence: they are those of [`Self::new`].
+    #[must_use]
+    pub fn in_halves(kind: SamplerKind, samples_per_pixel: u32, seed: u64) -> Self {
+        match kind {
+            SamplerKind::Independent => Self::new(kind, samples_per_pixel, seed),
+            _ => Self { sequences: 2, ..Self::new(kind, samples_per_pixel.div_ceil(2), seed) },
+        }
     }
 
     /// How the samples are spread.
@@ -49,7 +66,7 @@ impl SamplerSpec {
     /// The number of samples per pixel that completes the pattern, at least the number planned.
     #[must_use]
     pub fn rounded_sample_count(&self) -> u32 {
-        self.sets.count
+        self.sets.count.saturating_mul(self.sequences)
     }
 
     /// The sampler of sample `sample_index` of `pixel`, at dimension 0.
@@ -84,6 +101,17 @@ impl PixelSampler {
     #[inline]
     #[must_use]
     pub fn start(&self, sample_index: u32) -> Sampler {
+        match self.spec.sequences {
+            1 => self.start_in_sequence(sample_index),
+            count => {
+                let sequence = self.of_sequence(sample_index % count);
+                sequence.start_in_sequence(sample_index / count)
+            }
+        }
+    }
+
+    #[inline]
+    fn start_in_sequence(&self, sample_index: u32) -> Sampler {
         let SamplerSpec { kind, sets, .. } = self.spec;
         let (set, index) = match kind {
             SamplerKind::Independent | SamplerKind::Halton => (0, sample_index),
@@ -97,5 +125,12 @@ impl PixelSampler {
         };
         let sample_seed = mix64((!set_seed).wrapping_add(u64::from(index).wrapping_mul(GOLDEN)));
         Sampler { kind, dimension: 0, index, sets, set_seed, sample_seed }
+    }
+
+    /// The same with the seed of one of several sequences.
+    #[inline]
+    fn of_sequence(&self, sequence: u32) -> Self {
+        let seed = mix64(self.seed ^ ((u64::from(sequence) + 1) << 32));
+        Self { seed, first_set_seed: mix64(seed), ..*self }
     }
 }

@@ -1,6 +1,7 @@
 //! Files: found, read, hashed and decoded in parallel.
 
 use super::input::{BuildOptions, Identity, SceneInput};
+use super::memory::MemoryBudget;
 use crate::cache::{AssetCache, Digest, NodeDigests};
 use crate::models::mesh::{Mesh, MeshOptions};
 use crate::plugin::find;
@@ -12,6 +13,7 @@ use etendue_document::{
     Class, Diagnostic, Diagnostics, Document, Fault, NodeId, NotFound, Parameters, ResourceError,
     Resources, Severity, Span, Value,
 };
+use etendue_image::{Bitmap, ImageError, PictureHeader, decode, read_header};
 use etendue_math::Bounds3;
 use etendue_mesh::{MeshError, TriangleMesh};
 use rayon::prelude::*;
@@ -35,6 +37,7 @@ pub struct Assets<'a> {
     /// The digests of all nodes, if there is a cache.
     pub(super) digests: Option<Arc<NodeDigests>>,
     skip_missing: bool,
+    budget: Arc<MemoryBudget>,
     log: Mutex<Log>,
 }
 
@@ -112,6 +115,7 @@ impl<'a> Assets<'a> {
             cache: None,
             digests: None,
             skip_missing: false,
+            budget: Arc::new(MemoryBudget::new(u64::MAX)),
             log: Mutex::default(),
         }
     }
@@ -126,13 +130,20 @@ impl<'a> Assets<'a> {
             cache: input.cache.map(|cache| &**cache),
             digests: input.cache.map(|_| Arc::new(NodeDigests::new(input.document))),
             skip_missing: options.skip_missing,
+            budget: Arc::new(MemoryBudget::new(options.memory_limit.unwrap_or(u64::MAX))),
             ..Self::new(input.document, input.resources, diagnostics)
         }
     }
 
     /// The same assets with a separate log and separate `diagnostics`.
     pub(super) fn recording<'b>(&'b self, diagnostics: &'b Diagnostics) -> Assets<'b> {
-        Assets { diagnostics, digests: self.digests.clone(), log: Mutex::default(), ..*self }
+        Assets {
+            diagnostics,
+            digests: self.digests.clone(),
+            budget: Arc::clone(&self.budget),
+            log: Mutex::default(),
+            ..*self
+        }
     }
 
     /// Merges the log of [`Self::recording`]; returns the files that it read.
@@ -362,13 +373,47 @@ impl<'a> Assets<'a> {
         let options = MeshOptions::read(parameters);
         let (path, bytes) = self.read_file(parameters, "filename")?;
         let options = options?;
+        let report = |fault, problem: &dyn fmt::Display| {
+            let message = format!("{}: {problem}", path.display());
+            parameters.error(fault, "filename", message);
+        };
+        let reading = MESH_READING_FACTOR.saturating_mul(bytes.len() as u64);
+        self.budget.claim(reading).map_err(|exceeded| report(Fault::Limit, &exceeded)).ok()?;
         let placed = read(&path, &bytes).and_then(|mesh| Mesh::new(mesh, &options));
-        placed
-            .map_err(|error| {
-                let message = format!("{}: {error}", path.display());
-                parameters.error(Fault::Geometry, "filename", message);
-            })
-            .ok()
+        self.budget.release(reading);
+        let mesh = placed.map_err(|error| report(Fault::Geometry, &error)).ok()?;
+        let kept = mesh.memory_bytes() + TREE_BYTES_PER_TRIANGLE * mesh.triangles().len();
+        self.budget.claim(kept as u64).map_err(|exceeded| report(Fault::Limit, &exceeded)).ok()?;
+        Some(mesh)
+    }
+
+    /// Decodes a picture of which something else is made that takes `bytes_per_pixel`, or none if the
+    /// samples are kept as they are; if the memory for it is left.
+    ///
+    /// # Errors
+    ///
+    /// Why not, with the class of the fault.
+    pub(crate) fn decode_picture(
+        &self,
+        (path, bytes): (&Path, &[u8]),
+        bytes_per_pixel: u64,
+    ) -> Result<Bitmap, (Fault, String)> {
+        let name = path.to_string_lossy();
+        let explain =
+            |error: &ImageError| (fault_of(error), format!("{}: {error}", path.display()));
+        let header = read_header(bytes, &name).map_err(|error| explain(&error))?;
+        let PictureHeader { width, height, decoded_bytes, decoding_bytes } = header;
+        let kept = decoded_bytes.max(bytes_per_pixel * u64::from(width) * u64::from(height));
+        // What is decoded and what is made of it are in memory together.
+        let made = if bytes_per_pixel > 0 { kept } else { 0 };
+        let needed = decoding_bytes.max(decoded_bytes.saturating_add(made));
+        self.budget.claim(needed).map_err(|exceeded| {
+            let shown = path.display();
+            (Fault::Limit, format!("{shown}: a picture of {width}x{height} pixels: {exceeded}"))
+        })?;
+        let decoded = decode(bytes, &name);
+        self.budget.release(needed - kept.min(needed));
+        decoded.map_err(|error| explain(&error))
     }
 
     /// The hash of all inputs of the scene: its texts or nodes, and every file read.
@@ -393,6 +438,21 @@ impl<'a> Assets<'a> {
             hasher.update(&hash.to_le_bytes());
         }
         hasher.finalize().into()
+    }
+}
+
+/// The memory for reading a mesh, in sizes of its file: two copies of the arrays of a binary file.
+const MESH_READING_FACTOR: u64 = 2;
+
+/// The memory for building a tree, per triangle. A finished tree takes half of it.
+const TREE_BYTES_PER_TRIANGLE: usize = 100;
+
+/// Classifies the error of a picture that cannot be read.
+fn fault_of(error: &ImageError) -> Fault {
+    match error {
+        ImageError::UnknownFormat { .. } | ImageError::Unsupported { .. } => Fault::Unsupported,
+        ImageError::TooLarge { .. } | ImageError::NoMemory { .. } => Fault::Limit,
+        _ => Fault::Syntax,
     }
 }
 

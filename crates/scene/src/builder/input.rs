@@ -41,4 +41,6 @@ pub struct BuildOptions {
     /// The instruction set for rays; by default the fastest of this machine. Hits do not depend on
     /// it.
     pub tier: Option<Tier>,
+    /// The memory in bytes that pictures, meshes and their trees may take together; `None` for any.
+    pub memory_limit: Option<u64>,
 }

@@ -11,7 +11,7 @@ use crate::manual::{Manual, parameter};
 #[cfg(test)]
 use crate::testing::emitter_cases::Cases;
 use etendue_document::{Fault, Parameters};
-use etendue_image::{Bitmap, decode};
+use etendue_image::Bitmap;
 use etendue_math::Transform;
 use etendue_sampling::Distribution2D;
 use etendue_spectrum::Spectrum;
@@ -137,15 +137,16 @@ enum Gamut {
     /// Negative ones too, for colours beyond the primaries of BT.709.
     Wide,
 }
+/// The memory of a texel: its colour, twice while the map is built, and its weight in the tables.
+const BYTES_PER_TEXEL: u64 = 2 * 12 + 8;
 
 /// The image of the file and the file's name; `None` after an error has been reported.
 fn read_file(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<(String, Bitmap)> {
     let (path, bytes) = assets.read_file(parameters, "filename")?;
-    match decode(&bytes, &path.to_string_lossy()) {
+    match assets.decode_picture((&path, &bytes), BYTES_PER_TEXEL) {
         Ok(bitmap) => Some((path.display().to_string(), bitmap)),
-        Err(error) => {
-            let message = format!("{}: {error}", path.display());
-            parameters.error(Fault::BadValue, "filename", message);
+        Err((fault, message)) => {
+            parameters.error(fault, "filename", message);
             None
         }
     }

@@ -9,7 +9,7 @@ use crate::inputs::uv::read_to_uv;
 use crate::interaction::SurfaceInteraction;
 use crate::manual::{Manual, parameter};
 use etendue_document::{Fault, Parameters};
-use etendue_image::{Bitmap, ImageError};
+use etendue_image::Bitmap;
 use etendue_spectrum::Spectrum;
 use glam::{Affine2, Vec2};
 use std::path::PathBuf;
@@ -204,14 +204,14 @@ fn read_selections(
     // If the file is missing, report it for each texture.
     let file = names.into_iter().find_map(|(name, span)| assets.read_named_file(name, span));
     let (path, bytes) = file?;
-    let bitmap = etendue_image::decode(&bytes, &path.to_string_lossy());
+    // Texels are kept as they are decoded.
+    let bitmap = assets.decode_picture((&path, &bytes), 0);
     drop(bytes);
     let bitmap = match bitmap {
         Ok(bitmap) => bitmap,
-        Err(error) => {
-            let message = format!("{}: {error}", path.display());
+        Err((fault, message)) => {
             for parameters in all {
-                parameters.error(fault(&error), "filename", message.as_str());
+                parameters.error(fault, "filename", message.as_str());
             }
             return None;
         }
@@ -241,15 +241,6 @@ fn take(bitmap: Bitmap, selections: Vec<Selection>) -> Selected {
         (selection, Texels::new(bitmap, channel, raw).map(Arc::new))
     };
     selections.into_iter().zip(copies).map(texels).collect()
-}
-
-/// Classifies the error of a picture that cannot be read.
-fn fault(error: &ImageError) -> Fault {
-    match error {
-        ImageError::UnknownFormat { .. } | ImageError::Unsupported { .. } => Fault::Unsupported,
-        ImageError::TooLarge { .. } => Fault::Limit,
-        _ => Fault::Syntax,
-    }
 }
 
 impl BitmapOptions {
