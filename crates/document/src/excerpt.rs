@@ -81,7 +81,7 @@ struct Excerpt {
 enum Shown {
     /// An excerpt and the span within it.
     Excerpt(usize, Range<usize>),
-    /// The path of a node.
+    /// The path of a node, or a place in a text that is not quoted.
     Path(String),
     /// The position is unknown.
     Nothing,
@@ -99,6 +99,9 @@ impl Excerpts {
         match (sources.locate(span), source) {
             (Location::Node { path }, _) => Shown::Path(path),
             (Location::Text { .. }, None) => Shown::Nothing,
+            (place @ Location::Text { .. }, Some(source)) if source.is_withheld() => {
+                Shown::Path(place.to_string())
+            }
             (Location::Text { name, line, column }, Some(source)) => {
                 let (text, range) = cut(source, span);
                 self.list.push(Excerpt { name, line_number: line, column_number: column, text });

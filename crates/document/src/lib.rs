@@ -57,5 +57,5 @@ pub use resolver::{NotFound, Resolver};
 pub use resources::{MemoryResources, ResourceError, Resources, normalise};
 pub use source::{Source, Sources};
 pub use span::{Location, NodeId, SourceId, Span};
-pub use transform::{look_at_matrix, transform_problem};
+pub use transform::{look_at_matrix, thickened, transform_problem};
 pub use value::{SpectrumValue, Value, look_at, point, rgb, vector};

@@ -2,7 +2,7 @@
 
 use crate::error::{MeshError, MeshErrorKind};
 use crate::number::{parse_any_float, parse_integer, parse_plain_float, parse_short_integer};
-use memchr::memchr2;
+use memchr::{memchr2, memrchr2};
 
 /// A position in a text. Lines end in LF, CRLF or CR; a backslash at the end of a line continues it
 /// on the next one; `#` starts a comment.
@@ -211,17 +211,14 @@ impl<'a> TextCursor<'a> {
         matches!(byte, None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'#'))
     }
 
-    /// An error that says what was expected and what was found.
+    /// An error that says what was expected, and in which column. It does not quote the text, because
+    /// a scene may name any file of the machine.
     #[cold]
     pub(crate) fn expected(&self, what: &str) -> MeshError {
-        const SHOWN: usize = 24;
-        let rest = &self.bytes[self.position.min(self.bytes.len())..];
-        let length = memchr2(b'\n', b'\r', rest).unwrap_or(rest.len()).min(SHOWN);
-        let found = match length {
-            0 => "the end of the line".to_owned(),
-            _ => format!("`{}`", String::from_utf8_lossy(&rest[..length]).escape_debug()),
-        };
-        self.error(MeshErrorKind::Syntax, format!("expected {what}, found {found}"))
+        let before = &self.bytes[..self.position.min(self.bytes.len())];
+        let column = 1 + memrchr2(b'\n', b'\r', before)
+            .map_or(before.len(), |line_end| before.len() - line_end - 1);
+        self.error(MeshErrorKind::Syntax, format!("expected {what} in column {column}"))
     }
 
     /// An error at the line of the cursor.
@@ -266,8 +263,8 @@ mod tests {
         assert_eq!(TextCursor::new(b"1.5 2").float("x"), Ok(1.5));
         let error = TextCursor::new(b"1.2.3").float("a coordinate").unwrap_err();
         assert_eq!(error.kind, MeshErrorKind::Syntax);
-        assert_eq!(error.to_string(), "line 1: expected a coordinate, found `1.2.3`");
+        assert_eq!(error.to_string(), "line 1: expected a coordinate in column 1");
         let error = TextCursor::new(b"\n").integer("an index").unwrap_err();
-        assert_eq!(error.to_string(), "line 1: expected an index, found the end of the line");
+        assert_eq!(error.to_string(), "line 1: expected an index in column 1");
     }
 }

@@ -1,7 +1,7 @@
 //! `<transform>` and the operations inside it.
 
 use etendue_document::{
-    Diagnostic, Diagnostics, Fault, Value, list_names, look_at_matrix, transform_problem,
+    Diagnostic, Diagnostics, Fault, Value, list_names, look_at_matrix, thickened, transform_problem,
 };
 use glam::{DMat3, DMat4, DVec3};
 
@@ -35,11 +35,19 @@ pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
     for node in element.node.children().filter(roxmltree::Node::is_element) {
         let operation = loader.open(node);
         let matrix = apply(&operation, loader.diagnostics);
-        match matrix.filter(|matrix| check(*matrix, name, &operation, loader.diagnostics)) {
+        let is_usable = |matrix: &DMat4| {
+            thickened(*matrix).is_some() || check(*matrix, name, &operation, loader.diagnostics)
+        };
+        match matrix.filter(is_usable) {
             Some(matrix) if planar => transform = planar_matrix(matrix, &operation) * transform,
             Some(matrix) => transform = matrix * transform,
             None => failed = true,
         }
+    }
+    if let Some(thick) = thickened(transform).filter(|_| !failed && !planar) {
+        let message = "this transform is flat: it keeps a thickness of a millionth";
+        loader.diagnostics.warning(Fault::BadValue, element.span, message);
+        transform = thick;
     }
     // The product may be unusable even if every factor is usable.
     let usable = !failed && check(transform, name, element, loader.diagnostics);

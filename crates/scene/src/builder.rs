@@ -343,5 +343,6 @@ impl<'a> Builder<'a> {
         for child in root.children_of(Class::Volume) {
             let _ = self.volume(child.node);
         }
+        self.unused_parts_of_sensors(root);
     }
 }

@@ -35,6 +35,29 @@ impl Builder<'_> {
     }
 }
 
+/// What sensors, films and integrators hold or refer to.
+const PARTS_OF_SENSORS: [Class; 3] = [Class::Film, Class::Sampler, Class::ReconstructionFilter];
+
+impl Builder<'_> {
+    /// Warns of top-level films, samplers and filters that nothing refers to.
+    pub(super) fn unused_parts_of_sensors(&self, root: &Parameters<'_>) {
+        let parts: Vec<_> =
+            PARTS_OF_SENSORS.iter().flat_map(|class| root.children_of(*class)).collect();
+        if parts.is_empty() {
+            return;
+        }
+        let document = self.assets.document;
+        let others = document.nodes.iter().filter(|node| node.class != Class::Scene);
+        let children = others.flat_map(|node| node.children.iter().map(|child| child.node));
+        let used: HashSet<NodeId> = children.collect();
+        for part in parts.iter().filter(|part| !used.contains(&part.node)) {
+            let class = document.node(part.node).class.name();
+            let message = format!("no sensor has this {class}: it is left out");
+            self.assets.diagnostics.warning(Fault::UnknownParameter, part.span, message);
+        }
+    }
+}
+
 /// Reports an emitter inside a shape that belongs beside it; returns whether it is one.
 pub(super) fn is_outside_shapes(parameters: &Parameters<'_>) -> bool {
     let plugin = parameters.plugin();

@@ -66,11 +66,7 @@ impl<'a> Builder<'a> {
 
     /// A shape, to be added to the scene or a group. Of a shared one, a copy whose parameters have
     /// been read to the same extent.
-    fn take_shape(
-        &self,
-        node: NodeId,
-        shapes: &mut LoadedShapes<'a>,
-    ) -> Option<LoadedShape<'a>> {
+    fn take_shape(&self, node: NodeId, shapes: &mut LoadedShapes<'a>) -> Option<LoadedShape<'a>> {
         if !shapes.shared.contains(&node) {
             return shapes.loaded.remove(&node);
         }
