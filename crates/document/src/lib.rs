@@ -50,7 +50,7 @@ pub use flatten::DocumentOptions;
 pub use limits::DocumentLimits;
 pub use list::List;
 pub use name::{Name, NameInterner};
-pub use names::{list_names, near_names};
+pub use names::{list_names, list_some, near_names};
 pub use node::{ChildItem, Item, Node, reference};
 pub use parameters::{Entry, Parameters, Reading};
 pub use resolver::{NotFound, Resolver};

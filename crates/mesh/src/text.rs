@@ -1,7 +1,10 @@
 //! A cursor over a text format that tracks the line number.
 
 use crate::error::{MeshError, MeshErrorKind};
-use crate::number::{parse_any_float, parse_integer, parse_plain_float, parse_short_integer};
+use crate::number::{
+    is_windows_non_finite, parse_any_float, parse_integer, parse_plain_float, parse_short_integer,
+    parse_windows_non_finite,
+};
 use memchr::{memchr2, memrchr2};
 
 /// A position in a text. Lines end in LF, CRLF or CR; a backslash at the end of a line continues it
@@ -136,7 +139,9 @@ impl<'a> TextCursor<'a> {
     /// [`TextCursor::float`] for every notation.
     #[inline(never)]
     fn any_float(&mut self, what: &str) -> Result<f32, MeshError> {
-        self.take_float(parse_any_float(self.rest())).ok_or_else(|| self.expected(what))
+        self.take_float(parse_any_float(self.rest()))
+            .or_else(|| self.take_float(parse_windows_non_finite(self.rest())))
+            .ok_or_else(|| self.expected(what))
     }
 
     /// Consumes a number found at the cursor and the blanks after it, if a delimiter follows.
@@ -207,8 +212,11 @@ impl<'a> TextCursor<'a> {
     /// Whether the byte at this position may follow a number.
     #[inline]
     fn is_delimiter(&self, position: usize) -> bool {
-        let byte = self.bytes.get(position);
-        matches!(byte, None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'#'))
+        match self.bytes.get(position) {
+            None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\') => true,
+            Some(b'#') => !is_windows_non_finite(&self.bytes[position..]),
+            _ => false,
+        }
     }
 
     /// An error that says what was expected, and in which column. It does not quote the text, because

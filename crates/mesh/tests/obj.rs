@@ -337,6 +337,10 @@ fn what_is_broken_in_texture_coordinates_and_normals_is_left_out() {
     assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::ZERO, Vec2::Y]);
     assert_eq!(warnings, [(ObjWarningKind::UnusableUv, 2)]);
 
+    let (mesh, warnings) = read("vt -1.#IND -nan(ind)\nvt 1 1 # comment\nvt 1.#INF 0\nf 1/1 2/2 3/3\n");
+    assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::ONE, Vec2::ZERO]);
+    assert_eq!(warnings, [(ObjWarningKind::UnusableUv, 2)]);
+
     // Zero, beyond the list, and before its start; in files that refer ahead or not.
     for corners in ["1/0 2/1 3/1", "1/1 2/9 3/1", "1/1 2/-5 3/1"] {
         for text in [format!("vt 0.5 0.5\nf {corners}\n"), format!("f {corners}\nvt 0.5 0.5\n")] {

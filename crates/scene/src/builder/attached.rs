@@ -23,7 +23,7 @@ impl Builder<'_> {
         let attached = self.attached_to_shapes.get_or_insert_with(|| attached_to_shapes(document));
         if !attached.contains(&parameters.node()) {
             let class = parameters.class().name();
-            let message = format!("`{plugin}` is a {class} of a shape: alone it does nothing");
+            let message = format!("`{plugin}` belongs in a shape: alone it does nothing");
             let advice = match parameters.id() {
                 Some(id) => format!("write `<ref id=\"{id}\"/>` inside a `<shape>`"),
                 None => format!("put it inside a `<shape>`, as `<{class} type=\"{plugin}\">`"),

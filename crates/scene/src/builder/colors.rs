@@ -1,12 +1,19 @@
 //! Colour, scalar and index parameters: numbers, spectra or textures.
 
 use super::Builder;
+use crate::manual::PLUGINS_PAGE;
 use crate::texture::{ColorSource, ScalarSource};
-use etendue_document::{Class, Fault, Parameters, SpectrumValue, Value, list_names, near_names};
+use etendue_document::{
+    Class, Diagnostic, Fault, Parameters, SpectrumValue, Value, list_some,
+};
 use etendue_spectrum::{
     SampledSpectrum, Spectrum, SpectrumUse, blackbody_rgb, parse_spd, refractive_index,
     refractive_index_names,
 };
+use glam::DVec3;
+
+/// Words for glass, of which there are many kinds.
+const GLASSES: [&str; 4] = ["glass", "glas", "crown glass", "window glass"];
 
 impl Builder<'_> {
     /// A colour parameter: `rgb`, `spectrum`, `blackbody`, a number, or a texture.
@@ -79,7 +86,12 @@ impl Builder<'_> {
         usage: SpectrumUse,
     ) -> Option<Spectrum> {
         match value {
-            Value::Rgb(rgb) => Some(Spectrum::from_rgb(rgb.as_vec3().to_array())),
+            Value::Rgb(rgb) => {
+                if usage == SpectrumUse::Reflectance {
+                    warn_of_bytes(parameters, name, *rgb);
+                }
+                Some(Spectrum::from_rgb(rgb.as_vec3().to_array()))
+            }
             Value::Float(number) => Some(Spectrum::splat(*number as f32)),
             Value::Integer(number) => Some(Spectrum::splat(*number as f32)),
             Value::Blackbody { temperature, scale } => {
@@ -165,14 +177,30 @@ impl Builder<'_> {
             return parameters.float_in(name, f64::from(fallback), range) as f32;
         };
         refractive_index(material).unwrap_or_else(|| {
-            let near = near_names(material, refractive_index_names());
-            let near = if near.is_empty() { refractive_index_names().collect() } else { near };
-            let message =
-                format!("no material `{material}` is known; there is {}", list_names(near));
-            parameters.error(Fault::BadValue, name, message);
+            let message = format!("there is no dielectric `{material}`");
+            let found = Diagnostic::error(Fault::BadValue, parameters.span_of(name), message);
+            let found = match GLASSES.contains(&material.trim().to_lowercase().as_str()) {
+                true => found.help("common glass is `bk7`, or the number 1.5"),
+                false => found,
+            };
+            let some = list_some(material, refractive_index_names(), PLUGINS_PAGE);
+            parameters.diagnostics().push(found.help(format!("there are {some}")));
             fallback
         })
     }
+}
+
+/// Warns of a reflectance whose components go up to 255, as those of pictures do.
+fn warn_of_bytes(parameters: &Parameters<'_>, name: &str, rgb: DVec3) {
+    let is_byte = |value: f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
+    if rgb.max_element() < 2.0 || !rgb.to_array().into_iter().all(is_byte) {
+        return;
+    }
+    let message = "the components of a reflectance go from 0 to 1, not to 255";
+    let [r, g, b] = rgb.to_array().map(|value| value as u8);
+    let found = Diagnostic::warning(Fault::BadValue, parameters.span_of(name), message);
+    let advice = format!("as in pictures, this colour is `<srgb value=\"#{r:02x}{g:02x}{b:02x}\"/>`");
+    parameters.diagnostics().push(found.help(advice));
 }
 
 /// The colour of a measured spectrum. Reports values that the conversion would clamp silently:
