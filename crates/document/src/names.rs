@@ -85,7 +85,10 @@ mod tests {
     fn long_lists_are_cut_to_what_resembles_the_name() {
         let names: Vec<String> = (0..50).map(|index| format!("name{index}")).collect();
         let list = list_some("nmae7", names.iter().map(String::as_str), "the manual");
-        assert!(list.starts_with("`name7`") && list.ends_with("(all 50 are in the manual)"), "{list}");
+        assert!(
+            list.starts_with("`name7`") && list.ends_with("(all 50 are in the manual)"),
+            "{list}"
+        );
         assert_eq!(list.matches('`').count(), 2 * LISTED);
         assert_eq!(list_some("x", ["b", "a"], "the manual"), "`b`, `a`");
     }

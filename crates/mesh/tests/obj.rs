@@ -337,7 +337,8 @@ fn what_is_broken_in_texture_coordinates_and_normals_is_left_out() {
     assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::ZERO, Vec2::Y]);
     assert_eq!(warnings, [(ObjWarningKind::UnusableUv, 2)]);
 
-    let (mesh, warnings) = read("vt -1.#IND -nan(ind)\nvt 1 1 # comment\nvt 1.#INF 0\nf 1/1 2/2 3/3\n");
+    let (mesh, warnings) =
+        read("vt -1.#IND -nan(ind)\nvt 1 1 # comment\nvt 1.#INF 0\nf 1/1 2/2 3/3\n");
     assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::ONE, Vec2::ZERO]);
     assert_eq!(warnings, [(ObjWarningKind::UnusableUv, 2)]);
 

@@ -1,9 +1,7 @@
 //! A plugin of any family, and its lookup by name.
 
 use crate::manual::{Manual, PLUGINS_PAGE};
-use etendue_document::{
-    Class, Diagnostic, Fault, Parameters, list_names, list_some, near_names,
-};
+use etendue_document::{Class, Diagnostic, Fault, Parameters, list_names, list_some, near_names};
 
 /// One plugin of a family whose members are built by functions of type `F`.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +84,8 @@ static INSTEAD: &[(Class, &[&str], &str)] = &[
 /// The name of the plugin that people mean by another one.
 pub fn instead(class: Class, plugin: &str) -> Option<&'static str> {
     let plugin = plugin.to_lowercase();
-    let row = INSTEAD.iter().find(|(of, names, _)| *of == class && names.contains(&plugin.as_str()));
+    let row =
+        INSTEAD.iter().find(|(of, names, _)| *of == class && names.contains(&plugin.as_str()));
     row.map(|(.., known)| *known)
 }
 

@@ -3,9 +3,7 @@
 use super::Builder;
 use crate::manual::PLUGINS_PAGE;
 use crate::texture::{ColorSource, ScalarSource};
-use etendue_document::{
-    Class, Diagnostic, Fault, Parameters, SpectrumValue, Value, list_some,
-};
+use etendue_document::{Class, Diagnostic, Fault, Parameters, SpectrumValue, Value, list_some};
 use etendue_spectrum::{
     SampledSpectrum, Spectrum, SpectrumUse, blackbody_rgb, parse_spd, refractive_index,
     refractive_index_names,
@@ -199,7 +197,8 @@ fn warn_of_bytes(parameters: &Parameters<'_>, name: &str, rgb: DVec3) {
     let message = "the components of a reflectance go from 0 to 1, not to 255";
     let [r, g, b] = rgb.to_array().map(|value| value as u8);
     let found = Diagnostic::warning(Fault::BadValue, parameters.span_of(name), message);
-    let advice = format!("as in pictures, this colour is `<srgb value=\"#{r:02x}{g:02x}{b:02x}\"/>`");
+    let advice =
+        format!("as in pictures, this colour is `<srgb value=\"#{r:02x}{g:02x}{b:02x}\"/>`");
     parameters.diagnostics().push(found.help(advice));
 }
 

@@ -244,8 +244,7 @@ fn named_metal(parameters: &Parameters<'_>) -> [ColorSource; 2] {
     let Some(name) = parameters.optional_string("material") else { return mirror };
     let Some(metal) = metal(name) else {
         let message = format!("there is no metal `{name}`");
-        let mut found =
-            Diagnostic::error(Fault::BadValue, parameters.span_of("material"), message);
+        let mut found = Diagnostic::error(Fault::BadValue, parameters.span_of("material"), message);
         if refractive_index(name).is_some() {
             found = found.help("it is a dielectric: write `<bsdf type=\"dielectric\">`");
         }
