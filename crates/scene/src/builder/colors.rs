@@ -8,7 +8,6 @@ use etendue_spectrum::{
     SampledSpectrum, Spectrum, SpectrumUse, blackbody_rgb, parse_spd, refractive_index,
     refractive_index_names,
 };
-use glam::DVec3;
 
 /// Words for glass, of which there are many kinds.
 const GLASSES: [&str; 4] = ["glass", "glas", "crown glass", "window glass"];
@@ -84,12 +83,7 @@ impl Builder<'_> {
         usage: SpectrumUse,
     ) -> Option<Spectrum> {
         match value {
-            Value::Rgb(rgb) => {
-                if usage == SpectrumUse::Reflectance {
-                    warn_of_bytes(parameters, name, *rgb);
-                }
-                Some(Spectrum::from_rgb(rgb.as_vec3().to_array()))
-            }
+            Value::Rgb(rgb) => Some(Spectrum::from_rgb(rgb.as_vec3().to_array())),
             Value::Float(number) => Some(Spectrum::splat(*number as f32)),
             Value::Integer(number) => Some(Spectrum::splat(*number as f32)),
             Value::Blackbody { temperature, scale } => {
@@ -186,20 +180,6 @@ impl Builder<'_> {
             fallback
         })
     }
-}
-
-/// Warns of a reflectance whose components go up to 255, as those of pictures do.
-fn warn_of_bytes(parameters: &Parameters<'_>, name: &str, rgb: DVec3) {
-    let is_byte = |value: f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
-    if rgb.max_element() < 2.0 || !rgb.to_array().into_iter().all(is_byte) {
-        return;
-    }
-    let message = "the components of a reflectance go from 0 to 1, not to 255";
-    let [r, g, b] = rgb.to_array().map(|value| value as u8);
-    let found = Diagnostic::warning(Fault::BadValue, parameters.span_of(name), message);
-    let advice =
-        format!("as in pictures, this colour is `<srgb value=\"#{r:02x}{g:02x}{b:02x}\"/>`");
-    parameters.diagnostics().push(found.help(advice));
 }
 
 /// The colour of a measured spectrum. Reports values that the conversion would clamp silently:

@@ -35,9 +35,24 @@ pub(crate) fn reflectance(
     {
         let message =
             format!("`{name}` is above 1: the surface reflects more light than it receives");
-        parameters.warning(Fault::BadValue, name, message);
+        let found = Diagnostic::warning(Fault::BadValue, parameters.span_of(name), message);
+        parameters.diagnostics().push(match in_bytes(color) {
+            Some(hexadecimal) => found.help(format!(
+                "components go from 0 to 1, not to 255: as in pictures, this is `<srgb \
+                 value=\"{hexadecimal}\"/>`"
+            )),
+            None => found,
+        });
     }
     source
+}
+
+/// A colour whose components look as if they went from 0 to 255, in hexadecimal.
+fn in_bytes(color: Spectrum) -> Option<String> {
+    let is_byte = |value: f32| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
+    let bytes = color.rgb().into_iter().all(is_byte) && color.max_component() > 1.0;
+    let [r, g, b] = color.rgb().map(|value| value as u8);
+    bytes.then(|| format!("#{r:02x}{g:02x}{b:02x}"))
 }
 
 /// A scalar. A constant outside `bounds`, or NaN, is an error, and the default is returned. Texture
