@@ -30,6 +30,10 @@ static OPERATIONS: &[Operation] = &[
 pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
     let name = element.value("name").unwrap_or_default();
     let planar = matches!(name, "to_uv" | "toUV");
+    // A flat shape can be seen; a flat camera or volume means nothing.
+    let parent = element.node.parent_element();
+    let may_be_flat = !planar && parent.is_some_and(|parent| parent.has_tag_name("shape"));
+    let thickened = |matrix| if may_be_flat { thickened(matrix) } else { None };
     let mut transform = DMat4::IDENTITY;
     let mut failed = element.broken;
     for node in element.node.children().filter(roxmltree::Node::is_element) {
@@ -44,7 +48,7 @@ pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
             None => failed = true,
         }
     }
-    if let Some(thick) = thickened(transform).filter(|_| !failed && !planar) {
+    if let Some(thick) = thickened(transform).filter(|_| !failed) {
         let message = "this transform is flat: it keeps a thickness of a millionth";
         loader.diagnostics.warning(Fault::BadValue, element.span, message);
         transform = thick;

@@ -135,6 +135,13 @@ fn a_flat_transform_is_thickened() {
 }
 
 #[test]
+fn only_shapes_may_be_flat() {
+    let loaded =
+        load("<sensor type='x'><transform name='to_world'>\n<scale z='0'/>\n</transform></sensor>");
+    assert_eq!(loaded.findings(), [(Error, BadValue, 3)]);
+}
+
+#[test]
 fn what_does_nothing_is_a_warning() {
     let loaded = load(
         "<shape type='x'><transform name='to_world'>
