@@ -171,9 +171,11 @@ impl Builder<'_> {
         refractive_index(material).unwrap_or_else(|| {
             let message = format!("there is no dielectric `{material}`");
             let found = Diagnostic::error(Fault::BadValue, parameters.span_of(name), message);
-            let found = match GLASSES.contains(&material.trim().to_lowercase().as_str()) {
-                true => found.help("common glass is `bk7`, or the number 1.5"),
-                false => found,
+            let is_glass = GLASSES.contains(&material.trim().to_lowercase().as_str());
+            let found = if is_glass {
+                found.help("common glass is `bk7`, or the number 1.5")
+            } else {
+                found
             };
             let some = list_some(material, refractive_index_names(), PLUGINS_PAGE);
             parameters.diagnostics().push(found.help(format!("there are {some}")));
