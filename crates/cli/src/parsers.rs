@@ -52,6 +52,10 @@ pub(crate) fn format_names() -> String {
 /// `NAME=VALUE`.
 pub(crate) fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
+        Some((name, value)) if name.contains(['{', '}']) => {
+            let name = name.trim_start_matches(['$', '{']).trim_end_matches('}');
+            Err(format!("a name has no brackets: write -D {name}={value}"))
+        }
         Some((name, value)) if !name.trim().is_empty() => {
             Ok((name.trim().trim_start_matches('$').to_owned(), value.to_owned()))
         }

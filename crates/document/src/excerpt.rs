@@ -99,7 +99,7 @@ struct Excerpt {
 enum Shown {
     /// An excerpt and the span within it.
     Excerpt(usize, Range<usize>),
-    /// The path of a node.
+    /// The path of a node, or a place in a text that is not quoted.
     Path(String),
     /// The position is unknown.
     Nothing,
@@ -119,6 +119,9 @@ impl Excerpts {
         match (sources.locate(span), source) {
             (Location::Node { path }, _) => Shown::Path(path),
             (Location::Text { .. }, None) => Shown::Nothing,
+            (place @ Location::Text { .. }, Some(source)) if source.is_withheld() => {
+                Shown::Path(place.to_string())
+            }
             (Location::Text { name, line, column }, Some(source)) => {
                 let (text, range) = cut(source, span, self.ellipsis);
                 let name = printable(&name).into_owned();

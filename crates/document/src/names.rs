@@ -40,6 +40,30 @@ pub fn list_names<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     quoted.join(", ")
 }
 
+/// The maximum number of names in [`list_some`].
+const LISTED: usize = 12;
+
+/// Of many names, the dozen that resemble `wanted` most, and where the whole list stands:
+/// "`Au`, `Ag`, … (all 60 are in docs/plugins.md)".
+pub fn list_some<'a>(
+    wanted: &str,
+    names: impl IntoIterator<Item = &'a str>,
+    place: &str,
+) -> String {
+    let mut names: Vec<&str> = names.into_iter().collect();
+    if names.len() <= LISTED {
+        return list_names(names);
+    }
+    let count = names.len();
+    let wanted: String = plain(wanted).chars().take(COMPARED_LENGTH).collect();
+    names.sort_by_cached_key(|name| {
+        let distance = strsim::osa_distance(&wanted, &plain(name));
+        (distance, *name)
+    });
+    names.truncate(LISTED);
+    format!("{}, … (all {count} are in {place})", list_names(names))
+}
+
 fn plain(name: &str) -> String {
     name.chars().filter(|c| !matches!(c, '_' | '-')).flat_map(char::to_lowercase).collect()
 }
@@ -59,6 +83,18 @@ fn similarity(a: &str, b: &str) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_lists_are_cut_to_what_resembles_the_name() {
+        let names: Vec<String> = (0..50).map(|index| format!("name{index}")).collect();
+        let list = list_some("nmae7", names.iter().map(String::as_str), "the manual");
+        assert!(
+            list.starts_with("`name7`") && list.ends_with("(all 50 are in the manual)"),
+            "{list}"
+        );
+        assert_eq!(list.matches('`').count(), 2 * LISTED);
+        assert_eq!(list_some("x", ["b", "a"], "the manual"), "`b`, `a`");
+    }
 
     #[test]
     fn typing_errors_find_their_name() {

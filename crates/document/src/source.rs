@@ -13,6 +13,8 @@ pub struct Source {
     name: String,
     text: Text,
     line_starts: Vec<u32>,
+    /// Whether messages must not quote the text.
+    is_withheld: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -42,6 +44,11 @@ impl Source {
             Text::Packed(packed) => (None, Some(packed.pieces().map(Cow::Owned))),
         };
         whole.into_iter().chain(packed.into_iter().flatten())
+    }
+
+    /// Whether messages must not quote the text.
+    pub(crate) fn is_withheld(&self) -> bool {
+        self.is_withheld
     }
 
     /// The length of the text in bytes.
@@ -100,8 +107,21 @@ impl Sources {
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let starts = breaks.filter_map(|(offset, _)| u32::try_from(offset + 1).ok());
         let line_starts = std::iter::once(0).chain(starts).collect();
-        self.sources.push(Source { name: name.into(), text: Text::Whole(text), line_starts });
+        self.sources.push(Source {
+            name: name.into(),
+            text: Text::Whole(text),
+            line_starts,
+            is_withheld: false,
+        });
         SourceId(u32::try_from(self.sources.len() - 1).unwrap_or(u32::MAX))
+    }
+
+    /// Lets messages name places in a text, but quote nothing of it: the text is no part of the
+    /// scene, and may be private.
+    pub fn withhold(&mut self, id: SourceId) {
+        if let Some(source) = self.sources.get_mut(id.index()) {
+            source.is_withheld = true;
+        }
     }
 
     /// The text with this id; `None` for the id of another collection.
@@ -130,9 +150,10 @@ impl Sources {
         Location::Text { name: source.name.clone(), line: line_index + 1, column }
     }
 
-    /// The text of a span; empty if the span is out of bounds.
+    /// The text of a span; empty if the span is out of bounds or the text is withheld.
     pub fn excerpt(&self, span: Span) -> String {
-        let text = span.source().and_then(|id| self.get(id)).map(Source::text);
+        let source = span.source().and_then(|id| self.get(id));
+        let text = source.filter(|source| !source.is_withheld).map(Source::text);
         text.as_deref().and_then(|text| text.get(span.range())).unwrap_or_default().to_owned()
     }
 

@@ -58,6 +58,39 @@ fn is_singular(matrix: DMat4) -> bool {
     unit.determinant().abs() < SINGULAR_VOLUME || !matrix.inverse().is_finite()
 }
 
+/// The thickness that a flattened space keeps, relative to its size.
+const FLAT_THICKNESS: f64 = 1e-6;
+
+/// A matrix that flattens space to a plane, such as a scale with one zero, made invertible: space
+/// keeps a thickness that no picture shows. `None` for other matrices, also for those that leave
+/// only a line or a point.
+pub fn thickened(matrix: DMat4) -> Option<DMat4> {
+    if !matrix.is_finite() || !is_affine(matrix) || !is_singular(matrix) {
+        return None;
+    }
+    let linear = DMat3::from_mat4(matrix);
+    let size = linear.to_cols_array().into_iter().fold(0.0, |size: f64, next| size.max(next.abs()));
+    // Perpendicular to all rows: the direction that is lost; to all columns: that of the thickness.
+    let lost = longest_cross(linear.transpose() * (1.0 / size))?;
+    let normal = longest_cross(linear * (1.0 / size))?;
+    let along = lost * (FLAT_THICKNESS * size);
+    let thickness = DMat3::from_cols(normal * along.x, normal * along.y, normal * along.z);
+    let thick = [linear + thickness, linear - thickness];
+    let thick = thick.into_iter().max_by(|a, b| a.determinant().total_cmp(&b.determinant()))?;
+    let mut result = DMat4::from_mat3(thick);
+    result.w_axis = matrix.w_axis;
+    (!is_singular(result)).then_some(result)
+}
+
+/// The direction perpendicular to the columns of a matrix with entries up to one; `None` if they
+/// span less than a plane.
+fn longest_cross(matrix: DMat3) -> Option<DVec3> {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let crosses = [x.cross(y), y.cross(z), z.cross(x)];
+    let longest = crosses.into_iter().max_by(|a, b| a.length().total_cmp(&b.length()))?;
+    (longest.length() > 1e-9).then(|| longest.normalize())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +103,25 @@ mod tests {
         assert!(look_at_matrix(DVec3::X, DVec3::X, DVec3::Y).is_err());
         assert!(look_at_matrix(DVec3::X, DVec3::Y, DVec3::Y - DVec3::X).is_err());
         assert!(look_at_matrix(DVec3::X, DVec3::Y, DVec3::ZERO).is_ok());
+    }
+
+    #[test]
+    fn a_flattened_space_keeps_a_thickness() {
+        let turn = DMat4::from_rotation_x(0.4) * DMat4::from_rotation_y(-1.1);
+        let flat = DMat4::from_scale(DVec3::new(30.0, 0.0, 2.0));
+        let moved = DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0));
+        for matrix in [flat, turn * flat, moved * turn * flat * turn] {
+            let thick = thickened(matrix).unwrap();
+            assert_eq!(transform_problem("to_world", thick), None);
+            assert!(thick.determinant() > 0.0);
+            for point in [DVec3::ONE, DVec3::NEG_X, DVec3::ZERO] {
+                let moved = thick.transform_point3(point) - matrix.transform_point3(point);
+                assert!(moved.length() < 1e-4, "{moved}");
+            }
+        }
+        assert_eq!(thickened(DMat4::IDENTITY), None);
+        assert_eq!(thickened(DMat4::from_scale(DVec3::X)), None, "a line");
+        assert_eq!(thickened(DMat4::from_scale(DVec3::ZERO)), None, "a point");
     }
 
     #[test]

@@ -77,15 +77,18 @@ const fn other(name: &'static str, mark: Mark, help: &'static str) -> OtherKind 
 
 const MESH_HELP: &str = "a scene names its meshes, as in `<shape type=\"ply\">`";
 const PICTURE_HELP: &str = "a scene names its pictures, as in `<texture type=\"bitmap\">`";
+/// What a scene looks like, for files in the formats of other renderers.
+const SCENE_HELP: &str = "a scene is XML: `<scene version=\"3.0.0\">`, then its objects; \
+     docs/scene-format.md shows one to begin with";
 const PACKED_HELP: &str = "unpack it first";
 const SUMS_HELP: &str =
     "`etendue merge` makes a picture of parts, and `--resume` goes on with a checkpoint";
 
 static OTHER_KINDS: &[OtherKind] = &[
-    other("a pbrt scene", Mark::Extension("pbrt"), ""),
-    other("a glTF scene", Mark::Extension("gltf"), ""),
-    other("a glTF scene", Mark::Start(b"glTF"), ""),
-    other("a JSON file", Mark::Start(b"{"), ""),
+    other("a pbrt scene", Mark::Extension("pbrt"), SCENE_HELP),
+    other("a glTF scene", Mark::Extension("gltf"), SCENE_HELP),
+    other("a glTF scene", Mark::Start(b"glTF"), SCENE_HELP),
+    other("a JSON file", Mark::Start(b"{"), SCENE_HELP),
     other("an OpenEXR picture", Mark::Start(b"\x76\x2f\x31\x01"), PICTURE_HELP),
     other("a PNG picture", Mark::Start(b"\x89PNG"), PICTURE_HELP),
     other("a JPEG picture", Mark::Start(b"\xff\xd8\xff"), PICTURE_HELP),
@@ -96,8 +99,8 @@ static OTHER_KINDS: &[OtherKind] = &[
     other("a Mitsuba mesh", Mark::Start(b"\x1c\x04"), MESH_HELP),
     other("a Wavefront OBJ mesh", Mark::Extension("obj"), MESH_HELP),
     other("a Blender file", Mark::Start(b"BLENDER"), "export it with Blender's Mitsuba add-on"),
-    other("a USD scene", Mark::Start(b"PXR-USDC"), ""),
-    other("a USD scene", Mark::Start(b"#usda"), ""),
+    other("a USD scene", Mark::Start(b"PXR-USDC"), SCENE_HELP),
+    other("a USD scene", Mark::Start(b"#usda"), SCENE_HELP),
     other("a checkpoint or a part of a render", Mark::Start(b"etendue sums"), SUMS_HELP),
 ];
 
@@ -155,8 +158,7 @@ impl OtherKind {
         let formats = list_names(FORMATS.iter().map(|format| format.name));
         let (path, name) = (path.display(), self.name);
         let message = format!("{path} is {name}, but scenes are read from {formats}");
-        let diagnostic = Diagnostic::error(Fault::Unsupported, None, message);
-        if self.help.is_empty() { diagnostic } else { diagnostic.help(self.help) }
+        Diagnostic::error(Fault::Unsupported, None, message).help(self.help)
     }
 }
 

@@ -61,6 +61,7 @@ mod edit;
 mod error;
 pub mod files;
 mod format;
+mod lenient;
 mod load;
 mod loaded_scene;
 pub mod merge;

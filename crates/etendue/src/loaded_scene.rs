@@ -8,6 +8,7 @@ use etendue_integrators::{Integrator, build_integrator};
 use etendue_scene::{AssetCache, BuildOptions, Identity, Scene, SceneInput, gather_scene};
 
 use crate::development::hexadecimal;
+use crate::lenient::replace_unknown;
 use crate::options::SceneOptions;
 
 /// A scene and its integrator. Clones are cheap and share everything.
@@ -74,7 +75,10 @@ impl Input {
         diagnostics: &Diagnostics,
         options: &Arc<SceneOptions>,
     ) -> (Option<LoadedScene>, Sources) {
-        let Self { document, identity, cache } = self;
+        let Self { mut document, identity, cache } = self;
+        if options.lenient {
+            replace_unknown(Arc::make_mut(&mut document), diagnostics);
+        }
         if identity == Identity::Nodes && !document.check(diagnostics) {
             return (None, document.sources.clone());
         }
@@ -113,5 +117,6 @@ fn settings(options: &SceneOptions) -> Vec<(String, String)> {
         ("scene options", format!("{build:?}")),
         ("integrator options", format!("{:?}", options.integrator)),
     ];
-    settings.map(|(name, value)| (name.to_owned(), value)).into()
+    let lenient = options.lenient.then(|| ("unknown plugins", "replaced".to_owned()));
+    settings.into_iter().chain(lenient).map(|(name, value)| (name.to_owned(), value)).collect()
 }

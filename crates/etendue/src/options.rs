@@ -23,6 +23,9 @@ pub struct SceneOptions {
     pub integrator: IntegratorOptions,
     /// Whether unknown parameters are errors rather than warnings.
     pub strict: bool,
+    /// Whether plugins that nobody knows are replaced by the plainest of their family, with a
+    /// warning each; emitters, shapes and media among them are left out. Otherwise they are errors.
+    pub lenient: bool,
     /// Whether the scene keeps its document and intermediate results for quick
     /// [edits](crate::LoadedScene::edited). Otherwise the document is freed before the tree is
     /// built.

@@ -2,7 +2,7 @@
 
 use crate::integrator::{CameraRay, ChannelKind, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone, write};
-use etendue_document::{Fault, Parameters, list_names, near_names};
+use etendue_document::{Diagnostic, Fault, Parameters, list_names};
 use etendue_sampling::Sampler;
 use etendue_scene::bsdf::Bsdf;
 use etendue_scene::{Manual, ParameterManual, Scene, SurfaceInteraction};
@@ -94,10 +94,11 @@ impl Aov {
     fn add(&mut self, parameters: &Parameters<'_>, name: &str, kind: &str) {
         let Some((_, kind, channels)) = KINDS.iter().find(|(known, ..)| *known == kind) else {
             let names = KINDS.iter().map(|(known, ..)| *known);
-            let near = near_names(kind, names.clone());
-            let near = if near.is_empty() { names.collect() } else { near };
-            let message = format!("there is no layer `{kind}`, but {}", list_names(near));
-            parameters.error(Fault::BadValue, "aovs", message);
+            let message = format!("there is no layer `{kind}`: it is left out");
+            let place = parameters.span_of("aovs");
+            let found = Diagnostic::warning(Fault::BadValue, place, message);
+            let found = found.help(format!("there are {}", list_names(names)));
+            parameters.diagnostics().push(found);
             return;
         };
         self.kinds.push(*kind);

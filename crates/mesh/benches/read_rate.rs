@@ -78,7 +78,7 @@ fn read(path: &str, bytes: &[u8]) -> Result<Vec<TriangleMesh>, MeshError> {
         return read_obj(bytes, &ObjOptions::default()).map(|read| vec![read.mesh]);
     }
     if path.ends_with(".ply") {
-        return read_ply(bytes).map(|mesh| vec![mesh]);
+        return read_ply(bytes).map(|read| vec![read.mesh]);
     }
     (0..serialized_shape_count(bytes)?).map(|index| read_serialized(bytes, index)).collect()
 }

@@ -35,6 +35,6 @@ mod triangle_mesh;
 
 pub use error::{MeshError, MeshErrorKind};
 pub use obj::{ObjMesh, ObjOptions, ObjWarning, ObjWarningKind, read_obj, write_obj};
-pub use ply::{read_ply, read_ply_points, write_ply};
-pub use serialized::{read_serialized, serialized_shape_count};
+pub use ply::{PlyMesh, PlyWarning, read_ply, read_ply_points, write_ply};
+pub use serialized::{has_shape_list, read_serialized, serialized_shape_count};
 pub use triangle_mesh::{Attribute, AttributeDomain, TriangleMesh};

@@ -43,6 +43,33 @@ pub(crate) fn parse_any_float(bytes: &[u8]) -> Option<(f32, usize)> {
     fast_float2::parse_partial::<f32, _>(bytes).ok().filter(|&(_, end)| end > 0)
 }
 
+/// How the C library of Windows writes numbers that are not finite: `1.#IND`, `-1.#QNAN`, `1.#INF`,
+/// `-nan(ind)`, `nan(snan)`; and the length of that. The signs of NaN do not matter.
+pub(crate) fn parse_windows_non_finite(bytes: &[u8]) -> Option<(f32, usize)> {
+    let is_end = |byte: &u8| byte.is_ascii_whitespace();
+    let length = bytes.iter().position(is_end).unwrap_or(bytes.len());
+    let word = bytes.get(..length.min(16)).filter(|_| length <= 16)?.to_ascii_lowercase();
+    let (negative, rest) = match word.strip_prefix(b"-") {
+        Some(rest) => (true, rest),
+        None => (false, word.as_slice()),
+    };
+    let value = match rest {
+        b"1.#inf" => f32::INFINITY,
+        b"1.#ind" | b"1.#qnan" | b"1.#snan" | b"nan(ind)" | b"nan(snan)" | b"nan(qnan)" => f32::NAN,
+        _ => return None,
+    };
+    Some((if negative { -value } else { value }, length))
+}
+
+/// Whether a number's point is followed by the rest of one that [`parse_windows_non_finite`] reads,
+/// and not by a comment.
+pub(crate) fn is_windows_non_finite(from_hash: &[u8]) -> bool {
+    let starts = |mark: &[u8]| {
+        from_hash.get(..mark.len()).is_some_and(|start| start.eq_ignore_ascii_case(mark))
+    };
+    [&b"#inf"[..], b"#ind", b"#qnan", b"#snan"].into_iter().any(starts)
+}
+
 /// [`parse_any_float`] for decimals without an exponent that do not end the text: the great
 /// majority of numbers. `None` for all others, and for a few that this fast path cannot decide.
 ///
@@ -159,6 +186,17 @@ mod tests {
     /// The combination that `TextCursor` uses.
     fn parse_float(bytes: &[u8]) -> Option<(f32, usize)> {
         parse_plain_float(bytes).or_else(|| parse_any_float(bytes))
+    }
+
+    #[test]
+    fn numbers_that_windows_calls_not_finite_are_read() {
+        for word in ["1.#IND", "-1.#IND", "1.#QNAN", "-nan(ind)", "nan(snan)"] {
+            let (value, length) = parse_windows_non_finite(format!("{word} 1").as_bytes()).unwrap();
+            assert!(value.is_nan() && length == word.len(), "{word}");
+        }
+        assert_eq!(parse_windows_non_finite(b"-1.#INF"), Some((f32::NEG_INFINITY, 7)));
+        assert_eq!(parse_windows_non_finite(b"1.#comment"), None);
+        assert!(is_windows_non_finite(b"#IND 2") && !is_windows_non_finite(b"# ind"));
     }
 
     /// Compares bits with the standard library, so the sign of zero counts.

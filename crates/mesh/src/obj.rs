@@ -23,6 +23,8 @@ use reader::{Reader, Statements};
 /// - Each distinct triple of indices becomes a vertex, in the order of first use. A corner without
 ///   a texture coordinate gets (0, 0). In a file with normals, a corner without one gets the
 ///   angle-weighted normal of the adjacent faces, as do zero normals and those that are not finite.
+///   Texture coordinates that are not finite are (0, 0); indices of texture coordinates and normals
+///   that do not exist count as missing.
 /// - The mesh gets the name of the first object (`o`). Objects, groups, smoothing groups and
 ///   materials do not divide it.
 ///
@@ -32,8 +34,8 @@ use reader::{Reader, Statements};
 ///
 /// [`MeshErrorKind::Syntax`](crate::MeshErrorKind::Syntax) for a malformed statement or a file that
 /// does not look like OBJ, [`OutOfRange`](crate::MeshErrorKind::OutOfRange) for an index without a
-/// vertex, [`NonFinite`](crate::MeshErrorKind::NonFinite) for a position or texture coordinate that
-/// is not finite in single precision, and [`Limit`](crate::MeshErrorKind::Limit) for more than
+/// position, [`NonFinite`](crate::MeshErrorKind::NonFinite) for a position that is not finite in
+/// single precision, and [`Limit`](crate::MeshErrorKind::Limit) for more than
 /// 2³² − 2 vertices. All but the last have a line.
 pub fn read_obj(bytes: &[u8], options: &ObjOptions) -> Result<ObjMesh, MeshError> {
     let mut reader = Reader::new();

@@ -16,6 +16,7 @@ use crate::triangle_mesh::{TriangleMesh, check_vertex_count};
 use faces::read_faces;
 use header::{Element, Encoding, Header};
 use source::{AsciiSource, BinarySource, Source};
+use std::fmt;
 use vertices::read_vertices;
 
 /// Reads a PLY file in any of its three encodings.
@@ -31,6 +32,8 @@ use vertices::read_vertices;
 ///   those of `vertex_color`. A property outside of these groups is an attribute of its own with
 ///   one channel. Colours in 8 or 16 unsigned bits are scaled to [0, 1]; Mitsuba warns and uses
 ///   them unscaled. The values of a polygon apply to all its triangles.
+/// - A file without faces is a mesh without triangles. Normals and texture coordinates that are not
+///   finite are replaced.
 /// - Other lists and elements are skipped. The file may end after the vertices and faces.
 ///
 /// # Errors
@@ -38,19 +41,57 @@ use vertices::read_vertices;
 /// [`MeshErrorKind::Syntax`] for a malformed header or number,
 /// [`Truncated`](MeshErrorKind::Truncated) if the header announces more data than there is,
 /// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index without a vertex,
-/// [`NonFinite`](MeshErrorKind::NonFinite) for a number that is not finite in single precision,
-/// [`Unsupported`](MeshErrorKind::Unsupported) for a file without faces or positions, and
-/// [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
-pub fn read_ply(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
+/// [`NonFinite`](MeshErrorKind::NonFinite) for a position or an attribute that is not finite in
+/// single precision, [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or
+/// with triangle strips, and [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
+pub fn read_ply(bytes: &[u8]) -> Result<PlyMesh, MeshError> {
     let mut cursor = TextCursor::new(bytes);
     let header = Header::read(&mut cursor)?;
-    if !header.elements.iter().any(Element::is_faces) {
+    let has_faces = header.elements.iter().any(Element::is_faces);
+    if !has_faces && header.elements.iter().any(|element| element.name == "tristrips") {
         return Err(MeshError::new(
             MeshErrorKind::Unsupported,
-            "the file has no element `face`: point clouds and triangle strips are not supported",
+            "the file has triangle strips, which are not supported, and no element `face`",
         ));
     }
-    read_body(bytes, cursor, &header)
+    let (mesh, replaced) = read_body(bytes, cursor, &header)?;
+    let no_faces = (!has_faces).then_some(PlyWarning::NoFaces);
+    Ok(PlyMesh { mesh, warnings: no_faces.into_iter().chain(replaced).collect() })
+}
+
+/// What [`read_ply`] returns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlyMesh {
+    /// The mesh.
+    pub mesh: TriangleMesh,
+    /// What was ignored or replaced.
+    pub warnings: Vec<PlyWarning>,
+}
+
+/// Something in a PLY file that was ignored or replaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PlyWarning {
+    /// The file is a point cloud: the mesh has no triangles.
+    NoFaces,
+    /// So many normals were not finite, and were replaced by computed ones.
+    UnusableNormals(usize),
+    /// So many texture coordinates were not finite, and were replaced by (0, 0).
+    UnusableUvs(usize),
+}
+
+impl fmt::Display for PlyWarning {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoFaces => formatter.write_str("the file has no faces: it is a point cloud"),
+            Self::UnusableNormals(count) => {
+                write!(formatter, "{count} normals that are not finite were replaced")
+            }
+            Self::UnusableUvs(count) => {
+                write!(formatter, "{count} texture coordinates that are not finite are (0, 0)")
+            }
+        }
+    }
 }
 
 /// Reads only the vertices of a PLY file, as [`read_ply`] does: a point cloud with attributes.
@@ -73,15 +114,15 @@ pub fn read_ply_points(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     for element in &mut header.elements[..vertices] {
         element.name.clear();
     }
-    read_body(bytes, cursor, &header)
+    read_body(bytes, cursor, &header).map(|(points, _)| points)
 }
 
-/// Reads the data after the header.
+/// Reads the data after the header. Also returns what was replaced.
 fn read_body(
     bytes: &[u8],
     cursor: TextCursor<'_>,
     header: &Header,
-) -> Result<TriangleMesh, MeshError> {
+) -> Result<(TriangleMesh, Vec<PlyWarning>), MeshError> {
     check_vertex_count(header.vertex_count())?;
     let mut mesh = match header.encoding {
         Encoding::Ascii => read_elements(header, AsciiSource::new(cursor))?,
@@ -91,8 +132,16 @@ fn read_body(
         }
     };
     mesh.indices.shrink_to_fit();
+    let replaced = mesh.replace_non_finite();
     mesh.validate()?;
-    Ok(mesh)
+    if replaced.normals > 0 {
+        mesh.fill_missing_normals();
+    }
+    let warnings = [
+        (replaced.normals > 0).then_some(PlyWarning::UnusableNormals(replaced.normals)),
+        (replaced.uvs > 0).then_some(PlyWarning::UnusableUvs(replaced.uvs)),
+    ];
+    Ok((mesh, warnings.into_iter().flatten().collect()))
 }
 
 fn read_elements(header: &Header, mut source: impl Source) -> Result<TriangleMesh, MeshError> {

@@ -37,6 +37,16 @@ pub fn serialized_shape_count(bytes: &[u8]) -> Result<u32, MeshError> {
     Dictionary::read(bytes).map(|dictionary| dictionary.shape_count())
 }
 
+/// Whether a serialized file has the list of its shapes at its end. Without it, only the first shape
+/// can be read.
+///
+/// # Errors
+///
+/// As [`read_serialized`], for the start of the file.
+pub fn has_shape_list(bytes: &[u8]) -> Result<bool, MeshError> {
+    Dictionary::read(bytes).map(|dictionary| dictionary.is_found())
+}
+
 /// Reads one shape of a serialized file; the first has index 0.
 ///
 /// Vertex colours become the attribute `vertex_color` with three channels. A flat-shaded shape gets

@@ -1,8 +1,11 @@
 //! A cursor over a text format that tracks the line number.
 
 use crate::error::{MeshError, MeshErrorKind};
-use crate::number::{parse_any_float, parse_integer, parse_plain_float, parse_short_integer};
-use memchr::memchr2;
+use crate::number::{
+    is_windows_non_finite, parse_any_float, parse_integer, parse_plain_float, parse_short_integer,
+    parse_windows_non_finite,
+};
+use memchr::{memchr2, memrchr2};
 
 /// A position in a text. Lines end in LF, CRLF or CR; a backslash at the end of a line continues it
 /// on the next one; `#` starts a comment.
@@ -136,7 +139,9 @@ impl<'a> TextCursor<'a> {
     /// [`TextCursor::float`] for every notation.
     #[inline(never)]
     fn any_float(&mut self, what: &str) -> Result<f32, MeshError> {
-        self.take_float(parse_any_float(self.rest())).ok_or_else(|| self.expected(what))
+        self.take_float(parse_any_float(self.rest()))
+            .or_else(|| self.take_float(parse_windows_non_finite(self.rest())))
+            .ok_or_else(|| self.expected(what))
     }
 
     /// Consumes a number found at the cursor and the blanks after it, if a delimiter follows.
@@ -207,21 +212,21 @@ impl<'a> TextCursor<'a> {
     /// Whether the byte at this position may follow a number.
     #[inline]
     fn is_delimiter(&self, position: usize) -> bool {
-        let byte = self.bytes.get(position);
-        matches!(byte, None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'#'))
+        match self.bytes.get(position) {
+            None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\') => true,
+            Some(b'#') => !is_windows_non_finite(&self.bytes[position..]),
+            _ => false,
+        }
     }
 
-    /// An error that says what was expected and what was found.
+    /// An error that says what was expected, and in which column. It does not quote the text, because
+    /// a scene may name any file of the machine.
     #[cold]
     pub(crate) fn expected(&self, what: &str) -> MeshError {
-        const SHOWN: usize = 24;
-        let rest = &self.bytes[self.position.min(self.bytes.len())..];
-        let length = memchr2(b'\n', b'\r', rest).unwrap_or(rest.len()).min(SHOWN);
-        let found = match length {
-            0 => "the end of the line".to_owned(),
-            _ => format!("`{}`", String::from_utf8_lossy(&rest[..length]).escape_debug()),
-        };
-        self.error(MeshErrorKind::Syntax, format!("expected {what}, found {found}"))
+        let before = &self.bytes[..self.position.min(self.bytes.len())];
+        let column = 1 + memrchr2(b'\n', b'\r', before)
+            .map_or(before.len(), |line_end| before.len() - line_end - 1);
+        self.error(MeshErrorKind::Syntax, format!("expected {what} in column {column}"))
     }
 
     /// An error at the line of the cursor.
@@ -266,8 +271,8 @@ mod tests {
         assert_eq!(TextCursor::new(b"1.5 2").float("x"), Ok(1.5));
         let error = TextCursor::new(b"1.2.3").float("a coordinate").unwrap_err();
         assert_eq!(error.kind, MeshErrorKind::Syntax);
-        assert_eq!(error.to_string(), "line 1: expected a coordinate, found `1.2.3`");
+        assert_eq!(error.to_string(), "line 1: expected a coordinate in column 1");
         let error = TextCursor::new(b"\n").integer("an index").unwrap_err();
-        assert_eq!(error.to_string(), "line 1: expected an index, found the end of the line");
+        assert_eq!(error.to_string(), "line 1: expected an index in column 1");
     }
 }

@@ -59,6 +59,13 @@ impl AttributeDomain {
     }
 }
 
+/// How many vectors were not finite.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Replaced {
+    pub(crate) normals: usize,
+    pub(crate) uvs: usize,
+}
+
 impl TriangleMesh {
     /// The box around all vertices, including unused ones.
     #[must_use]
@@ -103,6 +110,21 @@ impl TriangleMesh {
         self.validate_lengths()?;
         self.validate_indices()?;
         self.validate_numbers()
+    }
+
+    /// Replaces normals and texture coordinates that are not finite by zero; returns how many of
+    /// each there were.
+    pub(crate) fn replace_non_finite(&mut self) -> Replaced {
+        let mut replaced = Replaced::default();
+        for normal in self.normals.iter_mut().filter(|normal| !normal.is_finite()) {
+            *normal = Vec3::ZERO;
+            replaced.normals += 1;
+        }
+        for uv in self.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+            *uv = Vec2::ZERO;
+            replaced.uvs += 1;
+        }
+        replaced
     }
 
     fn validate_lengths(&self) -> Result<(), MeshError> {

@@ -87,8 +87,10 @@ fn corners_with_equal_and_different_indices_are_read() {
 fn an_index_triple_must_be_valid_in_all_three_lists() {
     let text =
         format!("{TRIANGLE}vt 0 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/2 3/3/3 # comment behind\n");
-    let message = "normal index 2 is out of range: there are 1 normals".to_owned();
-    assert_eq!(error(&text), (MeshErrorKind::OutOfRange, Some(7), message));
+    let read = read(&text);
+    // The third coordinate, the second and the third normal.
+    assert_eq!(warnings(&read), [(ObjWarningKind::DanglingIndex, 3, 7)]);
+    assert_eq!(read.mesh.uvs, [Vec2::ZERO, Vec2::Y, Vec2::ZERO]);
 }
 
 #[test]
@@ -143,11 +145,6 @@ fn indices_out_of_range_are_reported_with_line_and_count() {
         ("f 1 2 -4", "position index -4 is out of range: 3 positions come before it"),
         ("f 1 2 4", "position index 4 is out of range: there are 3 positions"),
         (
-            "f 1/1 2/1 3/2",
-            "texture coordinate index 2 is out of range: there are 1 texture coordinates",
-        ),
-        ("f 1//1 2//1 3//-1", "normal index 1 is out of range: there are 0 normals"),
-        (
             "f 1 2 9223372036854775807",
             "position index 9223372036854775807 is out of range: there are 3 positions",
         ),
@@ -182,8 +179,8 @@ fn malformed_statements_are_syntax_errors_with_a_line() {
 }
 
 #[test]
-fn non_finite_numbers_are_rejected_except_in_normals() {
-    for bad in ["v 1e39 0 0", "v 0 nan 0", "v 0 0 -inf", "vt 1e999"] {
+fn non_finite_positions_are_rejected_and_normals_replaced() {
+    for bad in ["v 1e39 0 0", "v 0 nan 0", "v 0 0 -inf"] {
         let (kind, line, _) = error(&format!("{TRIANGLE}{bad}\n"));
         assert_eq!((kind, line), (MeshErrorKind::NonFinite, Some(4)), "{bad}");
     }
@@ -324,5 +321,66 @@ proptest! {
                 prop_assert_eq!(read.mesh.validate(), Ok(()));
             }
         }
+    }
+}
+
+#[test]
+fn what_is_broken_in_texture_coordinates_and_normals_is_left_out() {
+    let positions = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let read = |rest: &str| {
+        let text = format!("{positions}{rest}");
+        let read = read_obj(text.as_bytes(), &ObjOptions::default()).expect(rest);
+        assert_eq!(read.mesh.indices, [[0, 1, 2]], "{rest}");
+        (read.mesh, read.warnings.iter().map(|found| (found.kind, found.count)).collect::<Vec<_>>())
+    };
+    let (mesh, warnings) = read("vt nan 0\nvt 1 -inf\nvt 0 1\nf 1/1 2/2 3/3\n");
+    assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::ZERO, Vec2::Y]);
+    assert_eq!(warnings, [(ObjWarningKind::UnusableUv, 2)]);
+
+    let (mesh, warnings) =
+        read("vt -1.#IND -nan(ind)\nvt 1 1 # comment\nvt 1.#INF 0\nf 1/1 2/2 3/3\n");
+    assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::ONE, Vec2::ZERO]);
+    assert_eq!(warnings, [(ObjWarningKind::UnusableUv, 2)]);
+
+    // Zero, beyond the list, and before its start; in files that refer ahead or not.
+    for corners in ["1/0 2/1 3/1", "1/1 2/9 3/1", "1/1 2/-5 3/1"] {
+        for text in [format!("vt 0.5 0.5\nf {corners}\n"), format!("f {corners}\nvt 0.5 0.5\n")] {
+            let (mesh, warnings) = read(&text);
+            let missing = mesh.uvs.iter().filter(|uv| **uv == Vec2::ZERO).count();
+            assert_eq!(missing, 1, "{text}");
+            assert_eq!(warnings, [(ObjWarningKind::DanglingIndex, 1)], "{text}");
+        }
+    }
+    let (mesh, warnings) = read("f 1/1/7 2/1/7 3/1/7\n");
+    assert!(mesh.uvs.is_empty() && mesh.normals.is_empty());
+    assert_eq!(warnings, [(ObjWarningKind::DanglingIndex, 6)]);
+    let (mesh, warnings) = read("vn 0 0 1\nf 1//1 2//0 3//1\n");
+    assert_eq!(mesh.normals, [Vec3::Z; 3], "computed where it is missing");
+    assert_eq!(warnings, [(ObjWarningKind::DanglingIndex, 1)]);
+}
+
+#[test]
+fn a_backslash_at_the_end_of_a_name_swallows_nothing() {
+    for statement in ["usemtl wood\\", "mtllib C:\\scenes\\", "g part\\", "o thing\\"] {
+        for line_end in ["\n", "\r\n"] {
+            let text =
+                ["v 0 0 0", statement, "v 1 0 0", "v 0 1 0", statement, "f 1 2 3"].join(line_end);
+            let read = read_obj(text.as_bytes(), &ObjOptions::default()).expect(statement);
+            assert_eq!(read.mesh.positions.len(), 3, "{statement}");
+            assert_eq!(read.mesh.indices.len(), 1, "{statement}");
+        }
+    }
+    let continued = "v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 \\\n2 3";
+    let read = read_obj(continued.as_bytes(), &ObjOptions::default()).expect("numbers go on");
+    assert_eq!(read.mesh.indices.len(), 1);
+}
+
+/// A scene may name any file of the machine, so no message quotes one.
+#[test]
+fn messages_quote_nothing_of_the_file() {
+    for text in ["v SECRET", "v 0 0 SECRET", "vt SECRET", "f SECRET", "v 0 0 0\nf 1SECRET 1 1"] {
+        let error = read_obj(text.as_bytes(), &ObjOptions::default()).expect_err(text);
+        let message = error.to_string();
+        assert!(!message.contains("SECRET") && message.contains("column"), "{message}");
     }
 }

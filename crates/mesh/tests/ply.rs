@@ -1,7 +1,8 @@
 //! PLY files in every encoding, with properties in every order.
 
 use etendue_mesh::{
-    Attribute, AttributeDomain, MeshErrorKind, TriangleMesh, read_ply, read_ply_points, write_ply,
+    Attribute, AttributeDomain, MeshErrorKind, PlyMesh, PlyWarning, TriangleMesh, read_ply,
+    read_ply_points, write_ply,
 };
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
@@ -60,7 +61,8 @@ fn read(header: &str, body: &[Number]) -> Result<TriangleMesh, MeshErrorKind> {
         little.extend(number.little());
         big.extend(number.little().into_iter().rev());
     }
-    let results = [ascii, little, big].map(|bytes| read_ply(&bytes).map_err(|error| error.kind));
+    let results = [ascii, little, big]
+        .map(|bytes| read_ply(&bytes).map(|read| read.mesh).map_err(|error| error.kind));
     assert_eq!(results[0], results[1]);
     assert_eq!(results[1], results[2]);
     let [result, ..] = results;
@@ -247,6 +249,52 @@ fn errors_have_a_location() {
     assert_eq!(error.offset, Some(body_start as u64 + 36 + 9));
 }
 
+/// Three vertices with normals and texture coordinates, and one face.
+const DRESSED: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n\
+    property float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n\
+    property float u\nproperty float v\n";
+
+#[test]
+fn normals_and_coordinates_that_are_not_finite_are_replaced() {
+    let header = format!("{DRESSED}element face 1\n{CORNERS}end_header\n");
+    let body = "0 0 0 nan nan nan 0 0\n1 0 0 0 0 1 inf 0\n0 1 0 0 0 1 0 1\n3 0 1 2\n";
+    let read = read_ply(format!("{header}{body}").as_bytes()).expect("the rest is usable");
+    assert_eq!(read.mesh.normals, [Vec3::Z; 3], "computed from the face");
+    assert_eq!(read.mesh.uvs[1], Vec2::ZERO);
+    let warnings = [PlyWarning::UnusableNormals(1), PlyWarning::UnusableUvs(1)];
+    assert_eq!(read.warnings, warnings);
+    assert!(warnings[0].to_string().contains("1 normals"), "{}", warnings[0]);
+}
+
+#[test]
+fn a_point_cloud_is_a_mesh_without_triangles() {
+    let body = "0 0 0 0 0 1 0 0\n1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 1\n";
+    let read = read_ply(format!("{DRESSED}end_header\n{body}").as_bytes()).expect("points");
+    assert_eq!((read.mesh.positions.len(), read.mesh.indices.len()), (3, 0));
+    assert_eq!(read.warnings, [PlyWarning::NoFaces]);
+    let strips = format!("{DRESSED}element tristrips 1\n{CORNERS}end_header\n{body}3 0 1 2\n");
+    let error = read_ply(strips.as_bytes()).expect_err("strips are not read");
+    assert_eq!(error.kind, MeshErrorKind::Unsupported);
+}
+
+/// A scene may name any file of the machine, so no message quotes one.
+#[test]
+fn messages_quote_nothing_of_the_file() {
+    for text in [
+        "SECRET",
+        "ply\nSECRET x",
+        "ply\nformat SECRET 1.0\n",
+        "ply\nelement x SECRET\n",
+        "ply\nelement x 1\nproperty SECRET x\n",
+        "ply\nelement x 1\nproperty list SECRET int x\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+         property float z\nelement face 0\nproperty list int int vertex_index\nend_header\nSECRET",
+    ] {
+        let message = read_ply(text.as_bytes()).expect_err(text).to_string();
+        assert!(!message.contains("SECRET"), "{message}");
+    }
+}
+
 fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
     let number = any::<f32>().prop_filter("finite", |value| value.is_finite());
     let counts = (1_usize..20, 0_usize..20, any::<[bool; 4]>(), 1_usize..5);
@@ -295,7 +343,7 @@ proptest! {
 
     #[test]
     fn written_files_are_read_back(mesh in any_mesh()) {
-        prop_assert_eq!(read_ply(&write_ply(&mesh)), Ok(mesh));
+        prop_assert_eq!(read_ply(&write_ply(&mesh)).map(|read| read.mesh), Ok(mesh));
     }
 
     #[test]
@@ -309,7 +357,7 @@ proptest! {
         prop_assert!(read_ply(&bytes[..cut.index(bytes.len())]).is_err());
         let place = place.index(bytes.len());
         bytes[place] = byte;
-        let valid = |mesh: TriangleMesh| mesh.validate();
+        let valid = |read: PlyMesh| read.mesh.validate();
         prop_assert!(read_ply(&bytes).map_or(Ok(()), valid).is_ok());
     }
 
@@ -328,7 +376,7 @@ proptest! {
                  property {kind} b\n{CORNERS}end_header\n"
             ).into_bytes();
             bytes.extend(body);
-            let valid = |mesh: TriangleMesh| mesh.validate();
+            let valid = |read: PlyMesh| read.mesh.validate();
             prop_assert!(read_ply(&bytes).map_or(Ok(()), valid).is_ok());
         }
     }

@@ -1,7 +1,8 @@
 //! Serialized files of both versions, generated here, valid and corrupt.
 
 use etendue_mesh::{
-    AttributeDomain, MeshErrorKind, TriangleMesh, read_serialized, serialized_shape_count,
+    AttributeDomain, MeshErrorKind, TriangleMesh, has_shape_list, read_serialized,
+    serialized_shape_count,
 };
 use flate2::{Compression, write::ZlibEncoder};
 use glam::{Vec2, Vec3};
@@ -129,6 +130,25 @@ fn every_shape_of_a_file_can_be_read() {
     }
 }
 
+/// Some tools write no list of shapes, or that of the other version.
+#[test]
+fn files_with_another_list_or_none_give_their_shapes() {
+    let whole = file_of(4, &shape(SINGLE));
+    assert_eq!(has_shape_list(&whole), Ok(true));
+    let cut = &whole[..whole.len() - 12];
+    assert_eq!((has_shape_list(cut), serialized_shape_count(cut)), (Ok(false), Ok(1)));
+    assert_eq!(read_serialized(cut, 0), read_serialized(&whole, 0));
+    assert_eq!(kind(cut, 1), Some(MeshErrorKind::OutOfRange));
+
+    let two = file(4, &[payload(&shape(SINGLE), 4), payload(&shape(SINGLE | UVS), 4)]);
+    let list = two.len() - 20;
+    let offset = |index: usize| two[list + 8 * index..list + 8 * index + 4].to_vec();
+    let narrow =
+        [two[..list].to_vec(), offset(0), offset(1), two[two.len() - 4..].to_vec()].concat();
+    assert_eq!((has_shape_list(&narrow), serialized_shape_count(&narrow)), (Ok(true), Ok(2)));
+    assert_eq!(read_serialized(&narrow, 1), read_serialized(&two, 1));
+}
+
 #[test]
 fn flat_shapes_have_face_normals() {
     let shape = shape(SINGLE | NORMALS | UVS | COLORS | FACE_NORMALS);
@@ -201,10 +221,12 @@ fn corrupt_files_give_distinct_errors() {
     assert_eq!(changed(0, 0), Some(MeshErrorKind::Syntax));
     assert_eq!(changed(2, 5), Some(MeshErrorKind::Unsupported));
     assert_eq!(changed(4, 0), Some(MeshErrorKind::Syntax));
-    assert_eq!(changed(end - 1, 255), Some(MeshErrorKind::Truncated));
-    assert_eq!(changed(end - 4, 0), Some(MeshErrorKind::OutOfRange));
-    assert_eq!(changed(end - 12, 1), Some(MeshErrorKind::Syntax));
-    assert_eq!(changed(end - 5, 1), Some(MeshErrorKind::OutOfRange));
+    // With a corrupt list of shapes, the first one is still known.
+    for place in [end - 1, end - 4, end - 12, end - 5] {
+        let mut bytes = good.clone();
+        bytes[place] ^= 0x41;
+        assert_eq!(kind(&bytes, 0), None, "{place}");
+    }
     for empty in [&b""[..], b"\x1c", b"\x1c\x04\x04\x00"] {
         assert_eq!(kind(empty, 0), Some(MeshErrorKind::Truncated));
     }
@@ -223,7 +245,9 @@ proptest! {
     ) {
         let mut bytes = file_of(version, &shape(SINGLE | flags));
         let cut = cut.index(bytes.len());
-        prop_assert!(read_serialized(&bytes[..cut], 0).is_err());
+        // The shape may be whole, without the list behind it.
+        let whole = read_serialized(&bytes, 0);
+        prop_assert!(read_serialized(&bytes[..cut], 0).is_err() || read_serialized(&bytes[..cut], 0) == whole);
         let place = place.index(bytes.len());
         bytes[place] = byte;
         let valid = |mesh: TriangleMesh| mesh.validate();

@@ -35,6 +35,8 @@ struct Define {
 pub(crate) enum ExpansionError {
     /// There is no such name.
     Undefined { name: String, offset: usize, near: Vec<String> },
+    /// The name is written in brackets, as in a shell: `${name}`.
+    Bracketed { name: String, offset: usize },
     /// The expansions exceed the limit.
     TooLong,
     /// The name's own value could not be expanded.
@@ -100,6 +102,10 @@ impl Defines {
     /// `res` is known.
     fn lookup(&mut self, text: &str, dollar: usize) -> Result<(usize, &str), ExpansionError> {
         let rest = &text[dollar + 1..];
+        if let Some((name, _)) = rest.strip_prefix('{').and_then(|rest| rest.split_once('}')) {
+            let name = name.chars().take(NAME_LENGTH).collect();
+            return Err(ExpansionError::Bracketed { name, offset: dollar });
+        }
         let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
         let is_known =
             |length: &usize| rest.get(..*length).is_some_and(|name| self.values.contains_key(name));
@@ -151,6 +157,8 @@ mod tests {
         };
         assert_eq!((name.as_str(), offset), ("sp", 3));
         assert_eq!(near[0], "spp");
+        let bracketed = defines().expand("5 ${spp}").unwrap_err();
+        assert_eq!(bracketed, ExpansionError::Bracketed { name: "spp".to_owned(), offset: 2 });
         let lone = defines().expand("5 $").unwrap_err();
         assert!(matches!(lone, ExpansionError::Undefined { name, .. } if name.is_empty()));
     }

@@ -129,7 +129,10 @@ impl<'a> Element<'a> {
         diagnostics: &Diagnostics,
     ) -> Option<T> {
         let report = |error: NumberError| {
-            diagnostics.error(Fault::BadValue, attribute.part(error.range), error.message);
+            let place = attribute.part(error.range);
+            let mut found = Diagnostic::error(Fault::BadValue, place, error.message);
+            found.help.extend(error.help);
+            diagnostics.push(found);
         };
         read(&attribute.value).map_err(report).ok()
     }
@@ -168,10 +171,25 @@ impl<'a> Element<'a> {
             [x, y, z] => Some(DVec3::new(x, y, z)),
             ref other => {
                 let message = format!("three numbers are expected, not {}", other.len());
-                diagnostics.error(Fault::BadValue, attribute.span, message);
+                self.report_count(attribute, message, diagnostics);
                 None
             }
         }
+    }
+
+    /// Reports a wrong number of numbers; decimal commas make two of each.
+    pub(crate) fn report_count(
+        &self,
+        attribute: &Attribute<'a>,
+        message: String,
+        diagnostics: &Diagnostics,
+    ) {
+        let diagnostic = Diagnostic::error(Fault::BadValue, attribute.span, message);
+        diagnostics.push(if numbers::has_decimal_commas(&attribute.value) {
+            diagnostic.help("decimals have a point: write `0.5, 0.5, 0.5`, not `0,5 0,5 0,5`")
+        } else {
+            diagnostic
+        });
     }
 }
 
@@ -184,6 +202,14 @@ fn describe(error: &ExpansionError, span: Span) -> Option<Diagnostic> {
             span,
             "the values of all `$names` together have grown beyond the limit",
         ),
+        ExpansionError::Bracketed { name, offset } => {
+            let start = span.range().start + offset;
+            let end = (start + name.len() + "${}".len()).min(span.range().end);
+            let place = span.source().map(|source| Span::new(source, start.min(end)..end));
+            let message = format!("a value is named without brackets: `${name}`");
+            Diagnostic::error(Fault::BadValue, place, message)
+                .help(format!("write `${name}` instead of `${{{name}}}`"))
+        }
         ExpansionError::Undefined { name, offset, near } => {
             let start = span.range().start + offset;
             let end = (start + 1 + name.len()).min(span.range().end);

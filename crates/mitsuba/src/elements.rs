@@ -100,3 +100,35 @@ pub(crate) fn kind(element: &Element<'_>) -> Option<&'static Kind> {
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     ELEMENTS.iter().map(|(name, _)| *name)
 }
+
+/// Elements that people write, and what is written here instead.
+static INSTEAD: &[(&[&str], &str)] = &[
+    (&["color", "colour"], "a colour is `<rgb name=\"…\" value=\"r, g, b\"/>`"),
+    (&["light", "lamp"], "a light is `<emitter type=\"…\">`"),
+    (&["material", "brdf", "shader"], "a material is `<bsdf type=\"…\">`"),
+    (&["object", "mesh", "geometry", "model"], "geometry is `<shape type=\"…\">`"),
+    (
+        &["sphere", "cube", "rectangle", "disk", "cylinder", "obj", "ply", "serialized"],
+        "the name is a type: `<shape type=\"sphere\">`",
+    ),
+    (
+        &["diffuse", "conductor", "dielectric", "plastic", "roughplastic", "principled"],
+        "the name is a type: `<bsdf type=\"diffuse\">`",
+    ),
+    (&["area", "point", "constant", "envmap"], "the name is a type: `<emitter type=\"area\">`"),
+    (
+        &["translate", "rotate", "scale", "matrix", "lookat", "lookAt", "look_at"],
+        "this stands inside a transform: `<transform name=\"to_world\">`",
+    ),
+    (&["int", "uint", "long"], "a whole number is `<integer name=\"…\" value=\"…\"/>`"),
+    (&["number", "double", "real"], "a number is `<float name=\"…\" value=\"…\"/>`"),
+    (&["bool"], "it is written `<boolean name=\"…\" value=\"true\"/>`"),
+    (&["image", "bitmap"], "a picture is `<texture type=\"bitmap\">`"),
+    (&["vec3", "vector3"], "three numbers are `<vector name=\"…\" value=\"x, y, z\"/>`"),
+];
+
+/// What to write instead of an element that does not exist.
+pub(crate) fn advice(name: &str) -> Option<&'static str> {
+    let row = INSTEAD.iter().find(|(names, _)| names.contains(&name));
+    row.map(|(_, advice)| *advice)
+}

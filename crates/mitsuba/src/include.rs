@@ -6,7 +6,7 @@ use etendue_document::{Diagnostic, Fault, SourceId, Span};
 
 use crate::element::Element;
 use crate::loader::{Loader, OpenFile};
-use crate::text;
+use crate::text::{self, Decoded, NotText};
 
 /// The maximum number of missing files for which similar names are suggested, because each search
 /// lists whole folders.
@@ -93,11 +93,18 @@ impl Loader<'_> {
             return None;
         }
         match text::decode(bytes) {
-            Ok(text) => Some(self.add_source(name, text, path.parent())),
-            Err(not_text) => {
-                let source = self.add_source(name, not_text.shown, path.parent());
-                let place = Span::new(source, not_text.offset..not_text.offset + 1);
-                let diagnostic = Diagnostic::error(Fault::Syntax, place, not_text.message);
+            Ok(Decoded { text, warning }) => {
+                let source = self.add_source(name, text, path.parent());
+                if let Some((message, place)) = warning {
+                    let place = Span::new(source, place);
+                    self.diagnostics.warning(Fault::Syntax, place, message);
+                }
+                Some(source)
+            }
+            Err(NotText(message)) => {
+                let source = self.add_source(name, String::new(), path.parent());
+                let place = Span::new(source, 0..1);
+                let diagnostic = Diagnostic::error(Fault::Syntax, place, message);
                 self.diagnostics.push(match span {
                     Some(span) => diagnostic.related(span, "included here"),
                     None => diagnostic,

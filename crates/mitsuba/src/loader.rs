@@ -95,6 +95,11 @@ impl<'a> Loader<'a> {
         self.sources.add(name, text)
     }
 
+    /// Whether the file being read is of version 0.x.
+    pub(crate) fn is_old(&self) -> bool {
+        self.versions.get(&self.source) == Some(&0)
+    }
+
     /// The folder of the file being read.
     pub(crate) fn source_folder(&self) -> &Path {
         &self.resolver.source_folders[self.source.index()]

@@ -9,6 +9,14 @@ pub(crate) struct NumberError {
     pub(crate) message: String,
     /// In bytes of the value.
     pub(crate) range: Range<usize>,
+    /// What to write instead, if that is clear.
+    pub(crate) help: Option<String>,
+}
+
+impl NumberError {
+    fn new(message: String, range: Range<usize>) -> Self {
+        Self { message, range, help: None }
+    }
 }
 
 /// The words of a value, separated by any run of commas and white space.
@@ -30,7 +38,8 @@ pub(crate) fn number(value: &str) -> Result<f64, NumberError> {
 }
 
 fn number_at(offset: usize, word: &str) -> Result<f64, NumberError> {
-    let fail = |message: String| Err(NumberError { message, range: offset..offset + word.len() });
+    let range = offset..offset + word.len();
+    let fail = |message: String| Err(NumberError::new(message, range.clone()));
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) if word.contains(|c: char| c.is_ascii_digit()) => {
@@ -38,8 +47,38 @@ fn number_at(offset: usize, word: &str) -> Result<f64, NumberError> {
         }
         Ok(_) => fail(format!("`{}` is not a finite number", shorten(word))),
         Err(_) if word.is_empty() => fail("a number is missing here".to_owned()),
-        Err(_) => fail(format!("`{}` is not a number", shorten(word))),
+        Err(_) => {
+            let message = format!("`{}` is not a number", shorten(word));
+            Err(NumberError { help: advice(word), ..NumberError::new(message, range) })
+        }
     }
+}
+
+/// What to write instead of a word that is not a number.
+fn advice(word: &str) -> Option<String> {
+    let with_point = word.replacen(',', ".", 1);
+    if word.contains(',') && with_point.parse::<f64>().is_ok() {
+        return Some(format!("decimals have a point: write `{with_point}`"));
+    }
+    let unit = word.trim_end_matches(|letter: char| letter.is_alphabetic() || letter == '%');
+    if unit.len() < word.len() && unit.parse::<f64>().is_ok() {
+        return Some(format!("numbers have no unit: write `{unit}`"));
+    }
+    let has_digits = word.contains(|letter: char| letter.is_ascii_digit());
+    (has_digits && word.contains(['*', '/', '+', '(', '-']))
+        .then(|| "nothing is calculated here: write the result".to_owned())
+}
+
+/// Whether a list of numbers looks as if its commas were decimal points: `0,5 0,25 1,0`.
+pub(crate) fn has_decimal_commas(value: &str) -> bool {
+    let mut words = value.split_ascii_whitespace().peekable();
+    let is_decimal = |word: &str| {
+        let digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
+        word.split_once(',').is_some_and(|(whole, rest)| {
+            !whole.is_empty() && !rest.is_empty() && digits(whole) && digits(rest)
+        })
+    };
+    words.peek().is_some() && words.all(is_decimal)
 }
 
 /// An integer; a fraction of zero is accepted.
@@ -48,7 +87,7 @@ pub(crate) fn integer(value: &str) -> Result<i64, NumberError> {
         return Ok(integer);
     }
     let float = number(value)?;
-    let fail = |message: String| Err(NumberError { message, range: 0..value.len() });
+    let fail = |message: String| Err(NumberError::new(message, 0..value.len()));
     if float.fract() != 0.0 {
         return fail(format!("`{}` is not a whole number", shorten(value.trim())));
     }
@@ -68,7 +107,7 @@ pub(crate) fn numbers(value: &str) -> Result<Vec<f64>, NumberError> {
 pub(crate) fn pairs(value: &str) -> Result<Vec<(f64, f64)>, NumberError> {
     let mut pairs: Vec<(f64, f64)> = Vec::new();
     for (offset, word) in words(value) {
-        let fail = |message: String| NumberError { message, range: offset..offset + word.len() };
+        let fail = |message: String| NumberError::new(message, offset..offset + word.len());
         let Some((left, right)) = word.split_once(':') else {
             return Err(fail(format!("`{}` is not a pair `wavelength:value`", shorten(word))));
         };
@@ -111,6 +150,18 @@ mod tests {
         assert_eq!(number(" 1e999").unwrap_err().range, 1..6);
         assert_eq!(number("").unwrap_err().message, "a number is missing here");
         assert_eq!(number("nan").unwrap_err().message, "`nan` is not a finite number");
+    }
+
+    #[test]
+    fn usual_mistakes_are_told_what_to_write() {
+        let help = |text: &str| number(text).unwrap_err().help.unwrap_or_default();
+        assert!(help("0,5").contains("write `0.5`"));
+        assert!(help("45deg").contains("write `45`"));
+        assert!(help("16*2").contains("write the result"));
+        assert_eq!(help("abc"), "");
+        assert!(has_decimal_commas("0,5 0,5 0,25"));
+        assert!(!has_decimal_commas("0, 5, 0, 5"));
+        assert!(!has_decimal_commas("1 2 3 4"));
     }
 
     #[test]

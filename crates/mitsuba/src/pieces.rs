@@ -4,9 +4,10 @@
 //! A piece is a range of top-level elements of the `<scene>`, wrapped in its opening and closing
 //! tag. The parser sees a complete file with the same namespaces, so its errors are the same.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
-use etendue_document::{Fault, SourceId, Span};
+use etendue_document::{Diagnostic, Fault, SourceId, Span};
 
 use crate::loader::Loader;
 use crate::origin::Origin;
@@ -48,6 +49,19 @@ fn wrap(text: &str, outline: &Outline, piece: &Piece, wrapped: &mut String) {
     }
 }
 
+/// A text without the comments, instructions and white space at its front.
+pub(crate) fn after_comments(mut text: &str) -> &str {
+    loop {
+        text = text.trim_start();
+        let end = match text {
+            _ if text.starts_with("<!--") => "-->",
+            _ if text.starts_with("<?") => "?>",
+            _ => return text,
+        };
+        text = text.split_once(end).map_or("", |(_, rest)| rest);
+    }
+}
+
 impl Loader<'_> {
     /// Parses a stored text and calls `then` with the root of each piece, and whether it is the
     /// first piece. Errors in any piece are reported before the first call.
@@ -68,6 +82,7 @@ impl Loader<'_> {
                 return;
             }
         };
+        let text = self.readable(source, &text, &outline);
         let pieces = pieces(&text, &outline);
         let outer = self.origin;
         if pieces.len() > 1 {
@@ -94,11 +109,7 @@ impl Loader<'_> {
                         then(self, document.root_element(), piece.is_first);
                     }
                     Err(error) => {
-                        self.diagnostics.error(
-                            error.fault,
-                            origin.span(error.range),
-                            error.message,
-                        );
+                        self.report(error, &origin);
                         self.origin = outer;
                         return;
                     }
@@ -106,6 +117,41 @@ impl Loader<'_> {
             }
         }
         self.origin = outer;
+    }
+
+    /// The text up to the end of its root, with comments that the parser accepts. Offsets stay the
+    /// same. Warns of what is left out or changed.
+    fn readable<'t>(&self, source: SourceId, text: &'t str, outline: &Outline) -> Cow<'t, str> {
+        let end = outline.end.unwrap_or(text.len());
+        let rest = after_comments(&text[end..]);
+        if !rest.is_empty() {
+            let start = text.len() - rest.len();
+            let line = rest.lines().next().unwrap_or_default().trim_end();
+            let place = Span::new(source, start..start + line.len());
+            let message = "what follows the end of the root element is left out";
+            self.diagnostics.warning(Fault::Syntax, place, message);
+        }
+        let comments = &outline.hyphenated_comments;
+        let Some(first) = comments.first() else { return Cow::Borrowed(&text[..end]) };
+        let message = "`--` inside a comment is not XML, but is read";
+        self.diagnostics.warning(Fault::Syntax, Span::new(source, first.clone()), message);
+        let mut readable = String::with_capacity(end);
+        for comment in comments {
+            readable.push_str(&text[readable.len()..comment.start + 4]);
+            readable.push_str(&text[comment.start + 4..comment.end - 3].replace('-', " "));
+            readable.push_str("-->");
+        }
+        readable.push_str(&text[readable.len()..end]);
+        Cow::Owned(readable)
+    }
+
+    fn report(&self, error: SyntaxError, origin: &Origin) {
+        let SyntaxError { fault, message, range, opened } = error;
+        let mut diagnostic = Diagnostic::error(fault, origin.span(range), message);
+        if let Some(opened) = opened {
+            diagnostic = diagnostic.related(origin.span(opened), "opened here");
+        }
+        self.diagnostics.push(diagnostic);
     }
 
     /// Parses a piece unless it is too large.
@@ -118,7 +164,12 @@ impl Loader<'_> {
         if text.len() > limits.object_bytes.saturating_add(2 * scan::PIECE) {
             let message = format!("an object here takes more than {} bytes", limits.object_bytes);
             let start = text.len() - piece.range.len();
-            return Err(SyntaxError { fault: Fault::Limit, message, range: start..start + 1 });
+            return Err(SyntaxError {
+                fault: Fault::Limit,
+                message,
+                range: start..start + 1,
+                opened: None,
+            });
         }
         syntax::parse(text, limits)
     }
@@ -197,7 +248,6 @@ mod tests {
             ),
             ("<bsdf type='diffuse'>", "the file ends before this element is closed", "<bsdf"),
             ("", "the file ends before this element is closed", "<scene"),
-            ("</scene><scene/>", "a file is one element, with nothing but comments around it", "<"),
             ("<x:b/></scene>", "", ""),
         ];
         for (last, message, place) in cases {
@@ -207,6 +257,9 @@ mod tests {
             assert_eq!(found, short.1, "{last}");
             assert!(found[0].0.contains(message) && found[0].1.starts_with(place), "{found:?}");
         }
+        let (document, found) = load(&long_scene("</scene> <scene/>\n<!-- -->"));
+        assert!(document.is_some());
+        assert_eq!(found[0].1, "<scene/>", "{found:?}");
         let (document, found) = load(&long_scene("words <nothing/></scene>"));
         assert!(document.is_some());
         let words: Vec<&str> = found.iter().map(|(_, word)| word.as_str()).collect();

@@ -3,7 +3,8 @@
 //! The parser compares every attribute of an element with every other one, copies the namespaces of
 //! outer elements to inner ones, and reports a DOCTYPE without its position. This pass finds all
 //! three in linear time. It knows just enough XML to skip comments and quotes; syntax errors are
-//! left to the parser.
+//! left to the parser. It also finds what real files hold beyond XML, so that they can be read: `--` in
+//! comments and elements after the root.
 
 use std::ops::Range;
 
@@ -35,6 +36,10 @@ pub(crate) struct Outline {
     pub(crate) elements: usize,
     /// Split points between two top-level elements, about [`PIECE`] bytes apart.
     pub(crate) breaks: Vec<usize>,
+    /// Where the root ends, if its closing tag was found.
+    pub(crate) end: Option<usize>,
+    /// The comments that hold `--`, which XML does not allow.
+    pub(crate) hyphenated_comments: Vec<Range<usize>>,
 }
 
 /// Checks nesting, attributes and declarations against the limits, and finds the split points of a
@@ -42,10 +47,11 @@ pub(crate) struct Outline {
 pub(crate) fn scan(text: &str, limits: &Limits) -> Result<Outline, Refused> {
     let outline = Outline::default();
     let mut scanner = Scanner { text, limits, position: 0, depth: 0, outline };
-    while scanner.next_tag() {
+    while scanner.outline.end.is_none() && scanner.next_tag() {
         scanner.tag()?;
     }
     let outline = scanner.outline;
+    let text = &text[..outline.end.unwrap_or(text.len())];
     match text.match_indices("xmlns").nth(NAMESPACE_LIMIT) {
         Some((start, found)) => {
             let message = format!("more than {NAMESPACE_LIMIT} namespace declarations");
@@ -82,7 +88,7 @@ impl<'a> Scanner<'a> {
     fn tag(&mut self) -> Result<(), Refused> {
         let rest = self.rest();
         if rest.starts_with("<!--") {
-            self.skip_past("-->");
+            self.comment();
         } else if rest.starts_with("<![CDATA[") {
             self.skip_past("]]>");
         } else if rest.starts_with("<?") {
@@ -95,33 +101,66 @@ impl<'a> Scanner<'a> {
             self.depth = self.depth.saturating_sub(1);
             self.skip_past(">");
             self.note_break(self.position);
+            self.note_end(rest[2..].starts_with(self.root_name()));
         } else {
             self.opening_tag()?;
         }
         Ok(())
     }
 
-    /// Counts the quoted values up to the end of the tag.
-    fn opening_tag(&mut self) -> Result<(), Refused> {
+    /// Skips a comment, and notes it if it is malformed.
+    fn comment(&mut self) {
+        const START: usize = "<!--".len();
+        let start = self.position;
+        self.position = (start + START).min(self.text.len());
+        self.skip_past("-->");
+        let is_closed = self.text[..self.position].ends_with("-->");
+        let content = start + START..self.position.saturating_sub("-->".len());
+        if is_closed
+            && let Some(content) = self.text.get(content)
+            && (content.contains("--") || content.ends_with('-'))
+        {
+            self.outline.hyphenated_comments.push(start..self.position);
+        }
+    }
+
+    /// The length of an opening tag without its bracket, and the number of quoted values in it.
+    fn measure_tag(&self) -> Result<(usize, usize), Refused> {
         let bytes = self.rest().as_bytes();
         let mut quote = None;
         let mut values = 0;
-        let mut end = bytes.len();
         for (offset, &byte) in bytes.iter().enumerate().skip(1) {
             match (quote, byte) {
-                (Some(open), _) if open == byte => quote = None,
+                (Some((open, _)), _) if open == byte => quote = None,
+                (Some((_, opened)), b'<') => return Err(self.unclosed_quote(opened)),
                 (Some(_), _) => {}
                 (None, b'"' | b'\'') => {
-                    quote = Some(byte);
+                    quote = Some((byte, offset));
                     values += 1;
                 }
-                (None, b'>') => {
-                    end = offset;
-                    break;
-                }
+                (None, b'>') => return Ok((offset, values)),
                 (None, _) => {}
             }
         }
+        match quote {
+            Some((_, opened)) => Err(self.unclosed_quote(opened)),
+            None => Ok((bytes.len(), values)),
+        }
+    }
+
+    /// The error for a quote at `offset` from the cursor, which has no end before the next tag.
+    fn unclosed_quote(&self, offset: usize) -> Refused {
+        let start = self.position + offset;
+        let line = self.text[start..].lines().next().unwrap_or_default();
+        let message = "this quote is not closed (`<` inside a value is written `&lt;`)";
+        let range = start..start + line.trim_end().len();
+        Refused { fault: Fault::Syntax, message: message.to_owned(), range }
+    }
+
+    /// Counts the quoted values up to the end of the tag.
+    fn opening_tag(&mut self) -> Result<(), Refused> {
+        let (end, values) = self.measure_tag()?;
+        let bytes = self.rest().as_bytes();
         let name_length = bytes.iter().take_while(|b| !b" \t\r\n/>".contains(b)).count();
         if values > self.limits.attributes {
             let limit = self.limits.attributes;
@@ -139,13 +178,15 @@ impl<'a> Scanner<'a> {
         }
         if bytes[..end].last() == Some(&b'/') {
             self.note_break(after);
-        } else {
-            self.depth += 1;
-            if self.depth > self.limits.document.depth {
-                let limit = self.limits.document.depth;
-                let message = format!("elements nest more than {limit} deep");
-                return Err(self.refuse(Fault::Limit, message, name_length));
-            }
+            self.position = after;
+            self.note_end(self.outline.elements == 1);
+            return Ok(());
+        }
+        self.depth += 1;
+        if self.depth > self.limits.document.depth {
+            let limit = self.limits.document.depth;
+            let message = format!("elements nest more than {limit} deep");
+            return Err(self.refuse(Fault::Limit, message, name_length));
         }
         self.position += end;
         Ok(())
@@ -157,6 +198,19 @@ impl<'a> Scanner<'a> {
         if self.depth == 1 && place >= breaks.last().unwrap_or(&root.end) + PIECE {
             breaks.push(place);
         }
+    }
+
+    /// Records the end of the root if the last tag closed it.
+    fn note_end(&mut self, is_of_root: bool) {
+        if self.depth == 0 && self.outline.elements > 0 && is_of_root {
+            self.outline.end = Some(self.position);
+        }
+    }
+
+    /// The name of the root, once its opening tag was read.
+    fn root_name(&self) -> &'a str {
+        let tag = self.text[self.outline.root.clone()].trim_start_matches('<');
+        tag.split([' ', '\t', '\r', '\n', '/', '>']).next().unwrap_or_default()
     }
 
     fn skip_past(&mut self, end: &str) {
@@ -181,7 +235,7 @@ mod tests {
 
     #[test]
     fn ordinary_scenes_pass() {
-        let text = "<?xml version='1.0'?><!-- <a><a> --><scene a='>' b=\"<\"><x/><y></y></scene>";
+        let text = "<?xml version='1.0'?><!-- <a><a> --><scene a='>' b=\"'\"><x/><y></y></scene>";
         let document = DocumentLimits { depth: 2, ..DocumentLimits::default() };
         let limits = Limits { document, ..Limits::default() };
         assert!(scan(text, &limits).is_ok());
@@ -201,11 +255,41 @@ mod tests {
     }
 
     #[test]
+    fn an_unclosed_quote_is_pointed_at() {
+        for (text, quoted) in [
+            ("<a>\n<b x='1' y=\"35.6/>\n<c z=\"1\"/></a>", "\"35.6/>"),
+            ("<a x='1>", "'1>"),
+            ("<a x=\"1'/><b/>\r\n</a>", "\"1'/><b/>"),
+        ] {
+            let found = refused(text);
+            assert_eq!((found.fault, &text[found.range]), (Fault::Syntax, quoted), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_root_ends_at_its_closing_tag() {
+        let end = |text: &str| scan(text, &Limits::default()).unwrap().end;
+        assert_eq!(end("<a><b/></a><c>"), Some(11));
+        assert_eq!(end("<a/> <b>"), Some(4));
+        assert_eq!(end("<a></b><c/>"), None, "what is malformed is left to the parser");
+        assert_eq!(end("<a><b></a>"), None);
+    }
+
+    #[test]
+    fn comments_with_two_hyphens_are_noted() {
+        let text = "<!-- a -- b --><a><!-- c --><!--- d ---></a>";
+        let outline = scan(text, &Limits::default()).unwrap();
+        let found: Vec<&str> =
+            outline.hyphenated_comments.iter().map(|range| &text[range.clone()]).collect();
+        assert_eq!(found, ["<!-- a -- b -->", "<!--- d --->"]);
+    }
+
+    #[test]
     fn attributes_and_namespaces_are_bounded() {
         let attributes: String = (0..100_000).map(|index| format!(" a{index}='1'")).collect();
         let found = refused(&format!("<scene>\n<b{attributes}/></scene>"));
         assert_eq!((found.fault, found.range), (Fault::Limit, 8..10));
-        let found = refused(&"<a xmlns:x='u'/>".repeat(50));
-        assert_eq!((found.fault, found.range.start), (Fault::Limit, 16 * 16 + 3));
+        let found = refused(&format!("<r>{}</r>", "<a xmlns:x='u'/>".repeat(50)));
+        assert_eq!((found.fault, found.range.start), (Fault::Limit, 16 * 16 + 3 + 3));
     }
 }

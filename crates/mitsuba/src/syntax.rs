@@ -14,6 +14,8 @@ pub(crate) struct SyntaxError {
     pub(crate) message: String,
     /// In bytes.
     pub(crate) range: Range<usize>,
+    /// The opening tag of the element that should have been closed.
+    pub(crate) opened: Option<Range<usize>>,
 }
 
 /// Parses XML without a document type, within the limits.
@@ -50,7 +52,11 @@ fn describe(text: &str, error: &Error) -> SyntaxError {
         None if has_position(error) => word_at(text, offset_of(text, error.pos())),
         None => text.len()..text.len(),
     };
-    SyntaxError { fault, message, range }
+    let opened = match error {
+        Error::UnexpectedCloseTag(..) => unclosed_element(&text[..range.start]),
+        _ => None,
+    };
+    SyntaxError { fault, message, range, opened }
 }
 
 fn message(error: &Error) -> String {
@@ -180,6 +186,7 @@ mod tests {
         let found = error("<scene>\n<ä/>\n<b></c>\n</scene>");
         assert_eq!(&"<scene>\n<ä/>\n<b></c>\n</scene>"[found.range.start..][..4], "</c>");
         assert_eq!(found.message, "`</c>` where `</b>` is expected");
+        assert_eq!(found.opened, Some(14..16));
         assert_eq!(error("<a x='1' x='2'/>").range.start, 9);
         assert!(error("<a x='&foo;'/>").message.contains("&foo;"));
         assert!(!error("<a x=1/>").message.contains(" at "), "{}", error("<a x=1/>").message);

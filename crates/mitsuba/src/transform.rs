@@ -1,7 +1,7 @@
 //! `<transform>` and the operations inside it.
 
 use etendue_document::{
-    Diagnostic, Diagnostics, Fault, Value, list_names, look_at_matrix, transform_problem,
+    Diagnostic, Diagnostics, Fault, Value, list_names, look_at_matrix, thickened, transform_problem,
 };
 use glam::{DMat3, DMat4, DVec3};
 
@@ -30,16 +30,28 @@ static OPERATIONS: &[Operation] = &[
 pub(crate) fn read(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
     let name = element.value("name").unwrap_or_default();
     let planar = matches!(name, "to_uv" | "toUV");
+    // A flat shape can be seen; a flat camera or volume means nothing.
+    let parent = element.node.parent_element();
+    let may_be_flat = !planar && parent.is_some_and(|parent| parent.has_tag_name("shape"));
+    let thickened = |matrix| if may_be_flat { thickened(matrix) } else { None };
     let mut transform = DMat4::IDENTITY;
     let mut failed = element.broken;
     for node in element.node.children().filter(roxmltree::Node::is_element) {
         let operation = loader.open(node);
         let matrix = apply(&operation, loader.diagnostics);
-        match matrix.filter(|matrix| check(*matrix, name, &operation, loader.diagnostics)) {
+        let is_usable = |matrix: &DMat4| {
+            thickened(*matrix).is_some() || check(*matrix, name, &operation, loader.diagnostics)
+        };
+        match matrix.filter(is_usable) {
             Some(matrix) if planar => transform = planar_matrix(matrix, &operation) * transform,
             Some(matrix) => transform = matrix * transform,
             None => failed = true,
         }
+    }
+    if let Some(thick) = thickened(transform).filter(|_| !failed) {
+        let message = "this transform is flat: it keeps a thickness of a millionth";
+        loader.diagnostics.warning(Fault::BadValue, element.span, message);
+        transform = thick;
     }
     // The product may be unusable even if every factor is usable.
     let usable = !failed && check(transform, name, element, loader.diagnostics);

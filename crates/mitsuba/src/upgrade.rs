@@ -8,17 +8,20 @@ mod approximation;
 mod bsdf;
 mod emitter;
 mod entries;
+mod film;
 mod integrator;
 mod layers;
+mod left_out;
 mod medium;
 mod names;
 mod sensor;
 mod shape;
 mod spectrum;
+mod subsurface;
 mod tables;
 mod texture;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use etendue_document::{Class, Diagnostics, FlatNode, NameInterner, SourceId, Sources};
 
@@ -50,10 +53,12 @@ pub(crate) fn upgrade(
         tables::rename_plugin(&mut nodes[index]);
         spectrum::inline(nodes, index);
         shape::dissolve_merges(nodes, index);
+        shape::hair_radius(&mut nodes[index]);
         tables::approximate_plugin(&mut nodes[index], &mut approximations);
         match nodes[index].class {
             Class::Integrator => integrator::upgrade(nodes, index, &mut approximations),
             Class::Sensor => sensor::upgrade(&mut nodes[index], diagnostics),
+            Class::Film => film::upgrade(&mut nodes[index], &mut approximations),
             Class::Texture => texture::upgrade(&mut nodes[index], &mut approximations),
             Class::Emitter => {
                 let is_old = is_old(&nodes[index]);
@@ -62,16 +67,27 @@ pub(crate) fn upgrade(
             }
             Class::Bsdf => {
                 bsdf::upgrade(nodes, index, &mut approximations);
-                layers::upgrade(nodes, index, &mut approximations);
+                layers::upgrade(nodes, index, &mut approximations, diagnostics);
             }
             Class::Medium => medium::upgrade(&mut nodes[index], &mut approximations),
             Class::Phase => medium::upgrade_phase(nodes, index),
-            Class::Volume => medium::upgrade_volume(nodes, index),
+            Class::Volume => medium::upgrade_volume(nodes, index, &mut approximations),
             Class::Shape if is_old(&nodes[index]) => {
                 medium::old_boundary(nodes, index);
             }
             _ => {}
         }
     }
+    let mut replaced = HashSet::new();
+    for index in 0..nodes.len() {
+        if nodes[index].class == Class::Shape {
+            replaced.extend(subsurface::upgrade(nodes, index, &mut approximations));
+        }
+    }
+    // The scene holds those that shapes have referred to.
+    if let Some(scene) = nodes.first_mut().filter(|_| !replaced.is_empty()) {
+        scene.children.retain(|child| !replaced.contains(&child.node));
+    }
+    left_out::remove(nodes, &mut approximations);
     approximations.report(sources, diagnostics);
 }

@@ -50,10 +50,13 @@ pub(crate) fn vector(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<V
     element.vector(None, loader.diagnostics).map(Value::Vector)
 }
 
-/// `<rgb name="..." value="0.1, 0.2, 0.3"/>`: linear; `#rrggbb` is sRGB.
+/// `<rgb name="..." value="0.1, 0.2, 0.3"/>`: linear. `#rrggbb` is sRGB in version 3, but linear up
+/// to version 0.6.
 pub(crate) fn rgb(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
     let attribute = element.required("value", loader.diagnostics)?;
+    check_intent(element, loader);
     match hexadecimal(attribute, loader)? {
+        Some(color) if loader.is_old() => Some(Value::Rgb(color)),
         Some(encoded) => Some(Value::Rgb(linear(encoded))),
         None => element.vector_in(attribute, loader.diagnostics).map(Value::Rgb),
     }
@@ -62,6 +65,7 @@ pub(crate) fn rgb(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Valu
 /// `<srgb name="..." value="0.1, 0.2, 0.3"/>` or `#rrggbb`: with the sRGB curve.
 pub(crate) fn srgb(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
     let attribute = element.required("value", loader.diagnostics)?;
+    check_intent(element, loader);
     let encoded = match hexadecimal(attribute, loader)? {
         Some(encoded) => encoded,
         None => element.vector_in(attribute, loader.diagnostics)?,
@@ -72,6 +76,7 @@ pub(crate) fn srgb(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Val
 /// `<spectrum name="..." value="..."/>` with one number, `wavelength:value` pairs, or three RGB
 /// numbers (version 0.6 reads them so in its usual build); or with a `filename`.
 pub(crate) fn spectrum(loader: &mut Loader<'_>, element: &Element<'_>) -> Option<Value> {
+    check_intent(element, loader);
     if let Some(file) = element.value("filename") {
         return Some(Value::Spectrum(SpectrumValue::File(file.to_owned())));
     }
@@ -88,7 +93,7 @@ pub(crate) fn spectrum(loader: &mut Loader<'_>, element: &Element<'_>) -> Option
                 "one number or pairs `wavelength:value` are expected, not {} numbers",
                 other.len()
             );
-            loader.diagnostics.error(Fault::BadValue, attribute.span, message);
+            element.report_count(attribute, message, loader.diagnostics);
             None
         }
     }
@@ -112,24 +117,42 @@ pub(crate) fn blackbody(loader: &mut Loader<'_>, element: &Element<'_>) -> Optio
     Some(Value::Blackbody { temperature, scale })
 }
 
-/// The colour `#rrggbb` in 0 to 1, still sRGB-encoded; `Some(None)` if the value does not start
-/// with `#`, `None` after reporting an error.
+/// Warns of an `intent` that version 0.6 does not know. The two that it knows make no difference in
+/// RGB, because both of its whites are (1, 1, 1) there.
+fn check_intent(element: &Element<'_>, loader: &Loader<'_>) {
+    let Some(intent) = element.attribute("intent") else { return };
+    if !["reflectance", "illuminant"].contains(&intent.value.trim().to_lowercase().as_str()) {
+        let message = "an intent is `reflectance` or `illuminant`";
+        loader.diagnostics.warning(Fault::BadValue, intent.span, message);
+    }
+}
+
+/// The colour `#rrggbb` or `#rgb` in 0 to 1, without any decoding; `Some(None)` if the value does
+/// not start with `#`, `None` after reporting an error. An alpha after the colour is left out.
 fn hexadecimal(attribute: &Attribute<'_>, loader: &Loader<'_>) -> Option<Option<DVec3>> {
     let Some(digits) = attribute.value.trim().strip_prefix('#') else {
         return Some(None);
     };
-    let all_digits = digits.len() == 6 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
-    match u32::from_str_radix(digits, 16).ok().filter(|_| all_digits) {
-        Some(number) => {
-            let [_, r, g, b] = number.to_be_bytes();
-            Some(Some(DVec3::new(r.into(), g.into(), b.into()) / 255.0))
+    let values: Option<Vec<u32>> = digits.chars().map(|digit| digit.to_digit(16)).collect();
+    let channels: Vec<u32> = match values {
+        Some(values) if matches!(values.len(), 3 | 4) => {
+            values.iter().map(|digit| 17 * digit).collect()
         }
-        None => {
+        Some(values) if matches!(values.len(), 6 | 8) => {
+            values.chunks(2).map(|pair| 16 * pair[0] + pair[1]).collect()
+        }
+        _ => {
             let message = format!("`#{}` is not a colour `#rrggbb`", shorten(digits));
             loader.diagnostics.error(Fault::BadValue, attribute.span, message);
-            None
+            return None;
         }
+    };
+    if channels.len() == 4 {
+        let message = "the alpha of this colour is left out";
+        loader.diagnostics.warning(Fault::BadValue, attribute.span, message);
     }
+    let channel = |index: usize| f64::from(channels[index]) / 255.0;
+    Some(Some(DVec3::new(channel(0), channel(1), channel(2))))
 }
 
 /// From sRGB to linear, IEC 61966-2-1.

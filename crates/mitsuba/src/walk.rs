@@ -4,13 +4,14 @@ use std::path::Path;
 
 use etendue_document::{
     Child, Class, Diagnostic, Document, Fault, FlatNode, List, Name, NodeId, Parameter, SourceId,
-    Sources, Target, Value, list_names, near_names, normalise,
+    Sources, Span, Target, Value, list_names, near_names, normalise,
 };
 
 use crate::element::{Attribute, Element};
 use crate::elements::{self, Kind};
 use crate::include;
 use crate::loader::{Loader, OpenFile};
+use crate::pieces::after_comments;
 use crate::upgrade;
 use crate::wrappers::Wrappers;
 
@@ -151,6 +152,15 @@ impl Loader<'_> {
         let Some(source) = include::open(self, element) else {
             return;
         };
+        if !self.is_part_of_scene(source) {
+            self.report_foreign(source, element.span);
+            include::close(self);
+            return;
+        }
+        // Files that state no version are of that of the file that includes them.
+        if let Some(version) = self.versions.get(&self.source).copied() {
+            self.versions.insert(source, version);
+        }
         let outer = std::mem::replace(&mut self.source, source);
         self.for_each_piece(source, |loader, root, is_first| {
             if !root.has_tag_name("scene") {
@@ -244,6 +254,27 @@ impl Loader<'_> {
         }
     }
 
+    /// Whether the first element of an included text is one that may stand in a scene.
+    fn is_part_of_scene(&self, source: SourceId) -> bool {
+        let text = self.sources.get(source).map(etendue_document::Source::text);
+        let text = text.as_deref().map(after_comments).unwrap_or_default();
+        let name = text.strip_prefix('<').unwrap_or_default();
+        let end = name.find(|letter: char| !letter.is_alphanumeric()).unwrap_or(name.len());
+        name[..end] == *"scene" || elements::names().any(|known| known == &name[..end])
+    }
+
+    /// Reports an included file of another kind. Nothing of it is shown, because a scene may name
+    /// any file of the machine.
+    fn report_foreign(&mut self, source: SourceId, span: Span) {
+        self.sources.withhold(source);
+        let message = "this is no part of a scene: it starts with neither `<scene>` nor an element \
+                       that may stand in one";
+        self.diagnostics.push(
+            Diagnostic::error(Fault::Syntax, Span::new(source, 0..1), message)
+                .related(span, "included here"),
+        );
+    }
+
     fn report_unknown_element(&self, element: &Element<'_>) {
         let name = element.name();
         let message = match name {
@@ -251,6 +282,10 @@ impl Loader<'_> {
             _ => format!("there is no element `<{name}>`"),
         };
         let mut diagnostic = Diagnostic::error(Fault::Syntax, element.span, message);
+        if let Some(advice) = elements::advice(name) {
+            self.diagnostics.push(diagnostic.help(advice));
+            return;
+        }
         let near = near_names(name, elements::names());
         if !near.is_empty() {
             diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));

@@ -1,6 +1,7 @@
 //! Builds a scene from a document: typed parameters become plugins.
 
 mod assets;
+mod attached;
 mod attributes;
 mod colors;
 mod input;
@@ -34,7 +35,7 @@ use crate::texture::TEXTURES;
 use crate::texture::Texture;
 use crate::volume::Volume;
 use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// A scene without its tree, which no longer needs its document. Separate steps keep the peak
@@ -121,6 +122,8 @@ pub struct Builder<'a> {
     phases_built: HashMap<NodeId, Option<PhaseFunction>>,
     volumes_built: HashMap<NodeId, Option<Volume>>,
     default_material: Option<MaterialId>,
+    /// The emitters and sensors that shapes refer to, once asked for.
+    attached_to_shapes: Option<HashSet<NodeId>>,
     /// Whether any texture reads mesh attributes.
     has_attribute_textures: bool,
 }
@@ -144,6 +147,7 @@ impl<'a> Builder<'a> {
             phases_built: HashMap::new(),
             volumes_built: HashMap::new(),
             default_material: None,
+            attached_to_shapes: None,
             has_attribute_textures: assets
                 .document
                 .nodes
@@ -231,6 +235,9 @@ impl<'a> Builder<'a> {
     fn emitters(&mut self, root: &Parameters<'_>, mut emitters: Vec<Emitter>) -> Vec<Emitter> {
         for child in root.children_of(Class::Emitter) {
             let parameters = self.parameters(child.node);
+            if self.is_left_to_shapes(&parameters) {
+                continue;
+            }
             let emitter = find(EMITTERS, &parameters).and_then(|build| build(self, &parameters));
             if let Some(emitter) = emitter {
                 self.emitter_weights.push(read_sampling_weight(&parameters));
@@ -243,7 +250,8 @@ impl<'a> Builder<'a> {
 
     /// The sensors of the scene, followed by those of its shapes.
     fn sensors(&mut self, root: &Parameters<'_>, of_shapes: Vec<SensorSetup>) -> Vec<SensorSetup> {
-        let children = root.children_of(Class::Sensor);
+        let mut children = root.children_of(Class::Sensor);
+        children.retain(|child| !self.is_left_to_shapes(&self.parameters(child.node)));
         if children.is_empty() && of_shapes.is_empty() && !root.is_incomplete() {
             let message = "the scene has no sensor: there is nothing to see it with";
             self.assets.diagnostics.warning(Fault::MissingParameter, root.span(), message);
@@ -336,5 +344,6 @@ impl<'a> Builder<'a> {
         for child in root.children_of(Class::Volume) {
             let _ = self.volume(child.node);
         }
+        self.unused_parts_of_sensors(root);
     }
 }

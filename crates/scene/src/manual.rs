@@ -43,3 +43,6 @@ pub(crate) const fn parameter(
 ) -> ParameterManual {
     ParameterManual { name, kind, default, meaning }
 }
+
+/// The page with all plugins and all names of materials, for messages that list only some.
+pub(crate) const PLUGINS_PAGE: &str = "docs/plugins.md";

@@ -1,7 +1,7 @@
 //! A plugin of any family, and its lookup by name.
 
-use crate::manual::Manual;
-use etendue_document::{Class, Fault, Parameters, list_names, near_names};
+use crate::manual::{Manual, PLUGINS_PAGE};
+use etendue_document::{Class, Diagnostic, Fault, Parameters, list_names, list_some, near_names};
 
 /// One plugin of a family whose members are built by functions of type `F`.
 #[derive(Clone, Copy, Debug)]
@@ -37,17 +37,56 @@ pub fn report_unknown(parameters: &Parameters<'_>, names: impl Iterator<Item = &
         parameters.diagnostics().error(Fault::Unsupported, parameters.span(), message);
         return;
     }
-    let mut names: Vec<&str> = names.collect();
-    names.sort_unstable();
-    let class = parameters.class().name();
-    let message = format!("unknown {class} `{}`", parameters.plugin());
-    let near = near_names(parameters.plugin(), names.iter().copied());
-    let mut diagnostic =
-        etendue_document::Diagnostic::error(Fault::UnknownPlugin, parameters.span(), message);
-    if !near.is_empty() {
+    let names: Vec<&str> = names.collect();
+    let (class, plugin) = (parameters.class(), parameters.plugin());
+    let message = format!("unknown {} `{plugin}`", class.name());
+    let mut diagnostic = Diagnostic::error(Fault::UnknownPlugin, parameters.span(), message);
+    let near = near_names(plugin, names.iter().copied());
+    if let Some(known) = instead(class, plugin) {
+        diagnostic = diagnostic.help(format!("write `{known}`"));
+    } else if !near.is_empty() {
         diagnostic = diagnostic.help(format!("did you mean {}?", list_names(near)));
     }
-    parameters.diagnostics().push(diagnostic.help(format!("there are {}", list_names(names))));
+    let some = list_some(plugin, names, PLUGINS_PAGE);
+    parameters.diagnostics().push(diagnostic.help(format!("there are {some}")));
+}
+
+/// Names that people give to plugins, and the names that these have.
+static INSTEAD: &[(Class, &[&str], &str)] = &[
+    (Class::Bsdf, &["glass", "refractive", "transparent"], "dielectric"),
+    (Class::Bsdf, &["frosted", "frostedglass"], "roughdielectric"),
+    (Class::Bsdf, &["metal", "specular", "reflective"], "conductor"),
+    (Class::Bsdf, &["matte", "lambert", "lambertian"], "diffuse"),
+    (Class::Bsdf, &["glossy", "shiny", "coated", "uber", "substrate"], "roughplastic"),
+    (Class::Bsdf, &["disney", "pbr", "standard", "principledbsdf"], "principled"),
+    (Class::Bsdf, &["mix", "blend"], "blendbsdf"),
+    (Class::Shape, &["box", "cuboid"], "cube"),
+    (Class::Shape, &["plane", "quad", "square", "rect"], "rectangle"),
+    (Class::Shape, &["circle", "disc"], "disk"),
+    (Class::Shape, &["trianglemesh", "wavefront"], "obj"),
+    (Class::Emitter, &["ambient", "infinite", "background", "environment"], "constant"),
+    (Class::Emitter, &["hdri", "ibl", "skybox", "environmentmap", "skydome"], "envmap"),
+    (Class::Emitter, &["distant", "parallel"], "directional"),
+    (Class::Emitter, &["omni", "pointlight"], "point"),
+    (Class::Emitter, &["spotlight"], "spot"),
+    (Class::Sensor, &["pinhole", "camera", "fov"], "perspective"),
+    (Class::Sensor, &["panorama", "environment", "equirectangular"], "spherical"),
+    (Class::Sensor, &["ortho"], "orthographic"),
+    (Class::Integrator, &["pathtracer", "pt", "path_tracer", "unidirectional"], "path"),
+    (Class::Integrator, &["directlighting", "direct_lighting"], "direct"),
+    (Class::Integrator, &["bdpt", "bidirectional", "mlt", "pssmlt", "vcm"], "path"),
+    (Class::Integrator, &["lighttracer", "light_tracer"], "ptracer"),
+    (Class::Texture, &["image", "imagemap", "picture", "file"], "bitmap"),
+    (Class::Texture, &["checker", "checkers", "chessboard"], "checkerboard"),
+    (Class::Sampler, &["random", "uniform"], "independent"),
+];
+
+/// The name of the plugin that people mean by another one.
+pub fn instead(class: Class, plugin: &str) -> Option<&'static str> {
+    let plugin = plugin.to_lowercase();
+    let row =
+        INSTEAD.iter().find(|(of, names, _)| *of == class && names.contains(&plugin.as_str()));
+    row.map(|(.., known)| *known)
 }
 
 /// Advice for a Mitsuba plugin that has no equivalent or near equivalent here.

@@ -6,7 +6,7 @@ pub use crate::emitter::{EMITTERS, SHAPE_EMITTERS};
 pub use crate::film::FILMS;
 pub use crate::medium::MEDIA;
 pub use crate::phase::PHASES;
-pub use crate::plugin::{Plugin, find, report_unknown};
+pub use crate::plugin::{Plugin, find, instead, report_unknown};
 pub use crate::sensor::{SENSORS, SHAPE_SENSORS};
 pub use crate::shape::{COMPOSITE_SHAPES, SHAPES};
 pub use crate::texture::TEXTURES;

@@ -14,6 +14,7 @@ pub mod irradiancemeter;
 pub mod orthographic;
 pub mod perspective;
 pub mod radiancemeter;
+pub mod spherical;
 pub mod thinlens;
 
 pub use crate::models::connection::Connection;
@@ -41,6 +42,7 @@ macro_rules! sensor_list {
                 orthographic => Orthographic(orthographic::Orthographic);
                 perspective => Perspective(perspective::Perspective);
                 radiancemeter => Radiancemeter(radiancemeter::Radiancemeter);
+                spherical => Spherical(spherical::Spherical);
                 thinlens => ThinLens(thinlens::ThinLens);
             }
             shapes {

@@ -51,6 +51,24 @@ fn a_radiancemeter_is_one_ray() {
     }
 }
 
+/// The rows are latitudes from +y down, the columns longitudes from −z by +x.
+#[test]
+fn a_spherical_sensor_sees_all_around() {
+    let scene = scene("<sensor type=\"spherical\"/>");
+    let sensor = &scene.sensors()[0].sensor;
+    for (place, expected) in [
+        (Vec2::new(0.0, 0.5), Vec3::NEG_Z),
+        (Vec2::new(0.25, 0.5), Vec3::X),
+        (Vec2::new(0.5, 0.5), Vec3::Z),
+        (Vec2::new(0.3, 0.0), Vec3::Y),
+        (Vec2::new(0.3, 1.0), Vec3::NEG_Y),
+    ] {
+        let found = sensor.sample_ray(place, Vec2::ZERO);
+        assert!((found.ray.direction - expected).length() < 1e-6, "{place}: {found:?}");
+        assert_eq!((found.ray.origin, found.weight), (Vec3::ZERO, 1.0));
+    }
+}
+
 /// E[cos θ] of cosine-weighted directions is 2/3, with a standard deviation of √(1/18).
 #[test]
 fn an_irradiancemeter_counts_what_arrives_on_its_front() {

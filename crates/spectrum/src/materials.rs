@@ -36,10 +36,45 @@ impl Metal {
     }
 }
 
-/// A metal by its (case-sensitive) name in Mitsuba's `conductor`, such as `Au` or `Cu_palik`.
-/// `none` is the perfect mirror, η = 0 and k = 1. `None` for unknown names.
+/// The English names of metals, and elements of which only Palik's measurements are here.
+const OTHER_NAMES: [(&str, &str); 27] = [
+    ("aluminium", "Al"),
+    ("aluminum", "Al"),
+    ("beryllium", "Be"),
+    ("chrome", "Cr"),
+    ("chromium", "Cr"),
+    ("copper", "Cu"),
+    ("gold", "Au"),
+    ("iridium", "Ir"),
+    ("lithium", "Li"),
+    ("mercury", "Hg"),
+    ("mirror", PERFECT_MIRROR),
+    ("molybdenum", "Mo"),
+    ("na", "Na_palik"),
+    ("ni", "Ni_palik"),
+    ("nickel", "Ni_palik"),
+    ("niobium", "Nb"),
+    ("potassium", "K"),
+    ("rhodium", "Rh"),
+    ("selenium", "Se"),
+    ("silver", "Ag"),
+    ("sodium", "Na_palik"),
+    ("tantalum", "Ta"),
+    ("tellurium", "Te"),
+    ("tungsten", "W"),
+    ("v", "V_palik"),
+    ("vanadium", "V_palik"),
+    ("wolfram", "W"),
+];
+
+/// The English name of a metal that is not here, though its letters are a symbol (`TiN`).
+const NO_SYMBOL: &str = "tin";
+
+/// A metal by its name in Mitsuba's `conductor`, such as `Au` or `Cu_palik`, in any case, or by its
+/// English name. `none` is the perfect mirror, η = 0 and k = 1. `None` for unknown names.
 #[must_use]
 pub fn metal(name: &str) -> Option<Metal> {
+    let name = metal_symbol(name)?;
     if name == PERFECT_MIRROR {
         return Some(Metal { eta: SpectrumValue::Constant(0.0), k: SpectrumValue::Constant(1.0) });
     }
@@ -58,7 +93,21 @@ pub fn metal(name: &str) -> Option<Metal> {
     Some(Metal { eta: SpectrumValue::Sampled(eta), k: SpectrumValue::Sampled(k) })
 }
 
-/// The names that [`metal`] knows: `none`, then the measured ones in alphabetical order.
+/// The symbol of a metal given in any case, or by its English name.
+fn metal_symbol(name: &str) -> Option<&'static str> {
+    let name = name.trim();
+    if let Some(exact) = metal_names().find(|known| *known == name) {
+        return Some(exact);
+    }
+    let is_english = |(english, _): &&(&str, &str)| english.eq_ignore_ascii_case(name);
+    if let Some((_, symbol)) = OTHER_NAMES.iter().find(is_english) {
+        return Some(symbol);
+    }
+    let mut symbols = metal_names().filter(|_| !name.eq_ignore_ascii_case(NO_SYMBOL));
+    symbols.find(|known| known.eq_ignore_ascii_case(name))
+}
+
+/// The names that [`metal`] knows in their usual spelling: `none`, then the measured ones in alphabetical order.
 pub fn metal_names() -> impl Iterator<Item = &'static str> {
     let measured = METALS.lines().filter_map(|line| line.strip_prefix(METAL_HEADING));
     std::iter::once(PERFECT_MIRROR).chain(measured)
@@ -89,6 +138,25 @@ fn refractive_indices() -> impl Iterator<Item = (&'static str, &'static str)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn metals_have_their_names_in_any_spelling() {
+        for (spellings, symbol) in [
+            (["gold", "Gold", "AU", "au"], "Au"),
+            (["silver", "SILVER", "ag", "AG"], "Ag"),
+            (["aluminium", "Aluminum", "al", "AL"], "Al"),
+            (["nickel", "Ni", "ni_PALIK", "NI"], "Ni_palik"),
+            (["mirror", "None", "NONE", "Mirror"], "none"),
+        ] {
+            for spelling in spellings {
+                assert_eq!(metal(spelling), metal(symbol), "{spelling}");
+            }
+        }
+        assert!(OTHER_NAMES.iter().all(|(name, _)| metal(name).is_some()));
+        for unknown in ["glas", "tin", "Tin", "", "steel"] {
+            assert_eq!(metal(unknown), None, "{unknown}");
+        }
+    }
 
     /// The values of Mitsuba 3.9.1 in `scalar_rgb` for all materials: name, η in RGB, k in RGB.
     const MITSUBA: &str = include_str!("../data/metals_rgb.txt");

@@ -100,7 +100,14 @@ fn finite(token: &str) -> Result<f32, SampleError> {
 
 impl fmt::Display for SpdError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "line {}: {}", self.line, self.cause)
+        let line = self.line;
+        match &self.cause {
+            // The text is not quoted, because a scene may name any file of the machine.
+            SampleError::NotANumber(_) => {
+                write!(formatter, "line {line}: expected a wavelength and a value")
+            }
+            cause => write!(formatter, "line {line}: {cause}"),
+        }
     }
 }
 

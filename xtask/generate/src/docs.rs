@@ -2,6 +2,7 @@
 
 mod command_line;
 mod coverage;
+mod mitsuba06;
 mod plugins;
 
 use clap::Args;

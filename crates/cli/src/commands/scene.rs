@@ -1,11 +1,12 @@
 //! The arguments shared by all commands that load scenes.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use etendue::bvh::Tier;
-use etendue::document::Class;
+use etendue::document::{Class, list_names, near_names};
 use etendue::integrators::{INTEGRATORS, IntegratorOptions};
 use etendue::scene::{BuildOptions, registry};
 use etendue::{Files, Loaded, SceneOptions, Workers, load};
@@ -30,7 +31,7 @@ pub(crate) struct SceneArguments {
     #[arg(long, value_name = "NAME", value_parser = filter_names())]
     filter: Option<String>,
     /// Integrator; overrides the scene's
-    #[arg(long, value_name = "NAME", value_parser = integrator_names())]
+    #[arg(long, value_name = "NAME", value_parser = KnownNames(integrator_names))]
     integrator: Option<String>,
     /// Turn off emitter sampling, for comparison
     #[arg(long)]
@@ -38,6 +39,9 @@ pub(crate) struct SceneArguments {
     /// Treat unknown parameters as errors
     #[arg(long)]
     strict: bool,
+    /// Replace plugins that nobody knows by the plainest of their family, with a warning each
+    #[arg(long)]
+    lenient: bool,
     /// Treat missing files as warnings, and load the scene without them
     #[arg(long)]
     skip_missing: bool,
@@ -67,8 +71,47 @@ fn filter_names() -> PossibleValuesParser {
 }
 
 /// The names of all integrators.
-fn integrator_names() -> PossibleValuesParser {
-    PossibleValuesParser::new(INTEGRATORS.iter().map(|plugin| plugin.name))
+fn integrator_names() -> Vec<&'static str> {
+    INTEGRATORS.iter().map(|plugin| plugin.name).collect()
+}
+
+/// Parses the name of an integrator. Other names get advice that knows what they mean: `bdpt` has
+/// letters in common with `depth`, but computes what `path` does.
+#[derive(Clone)]
+struct KnownNames(fn() -> Vec<&'static str>);
+
+impl TypedValueParser for KnownNames {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        let (names, value) = ((self.0)(), value.to_string_lossy());
+        if names.contains(&value.as_ref()) {
+            return Ok(value.into_owned());
+        }
+        let argument = argument.map(ToString::to_string).unwrap_or_default();
+        let means = match registry::instead(Class::Integrator, &value) {
+            Some(known) => vec![known],
+            None => near_names(&value, names.iter().copied()),
+        };
+        let advice = match means.as_slice() {
+            [] => String::new(),
+            near => format!("\n\n  tip: did you mean {}?", list_names(near.iter().copied())),
+        };
+        let message = format!(
+            "invalid value '{value}' for '{argument}'\n  [possible values: {}]{advice}\n",
+            names.join(", ")
+        );
+        Err(clap::Error::raw(clap::error::ErrorKind::InvalidValue, message).with_cmd(command))
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new((self.0)().into_iter().map(PossibleValue::new)))
+    }
 }
 
 impl SceneArguments {
@@ -115,6 +158,7 @@ impl SceneArguments {
                 emitter_sampling: !self.no_emitter_sampling,
             },
             strict: self.strict,
+            lenient: self.lenient,
             editable: false,
         }
     }

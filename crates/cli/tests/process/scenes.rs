@@ -105,6 +105,35 @@ fn info_shows_media_and_the_memory_of_their_volumes() {
 }
 
 #[test]
+fn arguments_that_do_not_fit_say_what_to_write() {
+    let workplace = Workplace::new();
+    for (arguments, words) in [
+        (["--integrator", "bdpt"], "did you mean `path`?"),
+        (["--integrator", "volpaht"], "did you mean `volpath`"),
+        (["-D", "${spp}=4"], "write -D spp=4"),
+    ] {
+        let outcome = workplace.run(&["check", &small_scene(), arguments[0], arguments[1]]);
+        assert_eq!(outcome.code, Some(2));
+        assert!(outcome.stderr.contains(words), "{}", outcome.stderr);
+        assert!(!outcome.stderr.contains("`depth`"), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn unknown_plugins_are_replaced_only_if_asked_for() {
+    let workplace = Workplace::new();
+    let scene = r#"<scene version="3.0.0"><sensor type="perspective"/><emitter type="constant"/>
+        <shape type="sphere"><bsdf type="homemade"/></shape></scene>"#;
+    std::fs::write(workplace.path("scene.xml"), scene).unwrap();
+    let refused = workplace.run(&["check", "scene.xml"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    for command in ["check", "info"] {
+        let lenient = workplace.succeed(&[command, "scene.xml", "--lenient"]);
+        assert_eq!(lenient.stderr.matches("`homemade`").count(), 1, "{}", lenient.stderr);
+    }
+}
+
+#[test]
 fn a_closed_pipe_is_not_an_error() {
     let workplace = Workplace::new();
     let mut command = workplace.command(&["info", &small_scene()]);

@@ -20,6 +20,9 @@ pub(super) enum Statements {
     Faces,
 }
 
+/// The statements that hold names up to the end of the line.
+const NAMED: [&[u8]; 6] = [b"usemtl", b"mtllib", b"usemap", b"maplib", b"g", b"o"];
+
 /// The three lists that faces refer to.
 #[derive(Clone, Copy)]
 enum List {
@@ -115,10 +118,15 @@ impl Reader {
             (b"v", Statements::Faces) => self.seen[List::Positions as usize] += 1,
             (b"vt", Statements::Faces) => self.seen[List::Uvs as usize] += 1,
             (b"vn", Statements::Faces) => self.seen[List::Normals as usize] += 1,
+            (b"f", Statements::Vertices) | (_, Statements::Faces) => {}
             (_, Statements::All | Statements::Vertices) => self.note_other(keyword, cursor),
-            (_, Statements::Faces) => {}
         }
-        cursor.skip_statement();
+        if NAMED.contains(&keyword) {
+            // A backslash at the end is part of a name, such as that of a folder.
+            cursor.rest_of_line();
+        } else {
+            cursor.skip_statement();
+        }
         Ok(())
     }
 
@@ -126,7 +134,7 @@ impl Reader {
     fn read_position(&mut self, cursor: &mut TextCursor<'_>) -> Result<(), MeshError> {
         let position = read_vector(cursor, "a coordinate of a position")?;
         if !position.is_finite() {
-            return Err(not_finite(cursor, List::Positions));
+            return Err(not_finite(cursor));
         }
         if !cursor.is_at_statement_end() {
             self.tally.count(ObjWarningKind::VertexColor, cursor.line());
@@ -164,7 +172,8 @@ impl Reader {
             cursor.float(WHAT)?;
         }
         if !uv.is_finite() {
-            return Err(not_finite(cursor, List::Uvs));
+            uv = Vec2::ZERO;
+            self.tally.count(ObjWarningKind::UnusableUv, cursor.line());
         }
         self.uvs.push(uv);
         self.seen[List::Uvs as usize] += 1;
@@ -210,12 +219,12 @@ impl Reader {
         if cursor.peek() == Some(b'/') {
             cursor.advance(1);
             if starts_index(cursor) {
-                corner.uv = self.read_index(cursor, List::Uvs)?;
+                corner.uv = self.read_optional_index(cursor, List::Uvs)?;
             }
             if cursor.peek() == Some(b'/') {
                 cursor.advance(1);
                 if starts_index(cursor) {
-                    corner.normal = self.read_index(cursor, List::Normals)?;
+                    corner.normal = self.read_optional_index(cursor, List::Normals)?;
                 }
             }
         }
@@ -235,6 +244,24 @@ impl Reader {
             return Ok(written - 1);
         }
         self.read_any_index(cursor, list)
+    }
+
+    /// Reads an index of a texture coordinate or a normal; [`NONE`] if it refers to nothing, because
+    /// the rest of such a file is usable.
+    #[inline(always)]
+    fn read_optional_index(
+        &mut self,
+        cursor: &mut TextCursor<'_>,
+        list: List,
+    ) -> Result<u32, MeshError> {
+        let line = cursor.line();
+        match self.read_index(cursor, list) {
+            Err(error) if error.kind == MeshErrorKind::OutOfRange && !self.refers_ahead => {
+                self.tally.count(ObjWarningKind::DanglingIndex, line);
+                Ok(NONE)
+            }
+            result => result,
+        }
     }
 
     /// [`Reader::read_index`] for every notation.
@@ -369,7 +396,7 @@ fn starts_index(cursor: &TextCursor<'_>) -> bool {
 }
 
 #[cold]
-fn not_finite(cursor: &TextCursor<'_>, list: List) -> MeshError {
-    let message = format!("this {} is not finite in single precision", list.noun());
+fn not_finite(cursor: &TextCursor<'_>) -> MeshError {
+    let message = "this position is not finite in single precision";
     cursor.error(MeshErrorKind::NonFinite, message)
 }

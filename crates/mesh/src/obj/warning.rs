@@ -27,6 +27,10 @@ pub enum ObjWarningKind {
     DegenerateFace,
     /// Zero or non-finite normals were replaced by computed ones.
     UnusableNormal,
+    /// Texture coordinates that are not finite were replaced by (0, 0).
+    UnusableUv,
+    /// Indices of texture coordinates or normals that do not exist were ignored.
+    DanglingIndex,
     /// There are several materials (`usemtl`), but the mesh has one.
     SeveralMaterials,
     /// Statements that are not part of OBJ were ignored.
@@ -35,12 +39,14 @@ pub enum ObjWarningKind {
 
 impl ObjWarningKind {
     /// All kinds, in the order in which they are reported.
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::PointOrLine,
         Self::FreeForm,
         Self::VertexColor,
         Self::DegenerateFace,
         Self::UnusableNormal,
+        Self::UnusableUv,
+        Self::DanglingIndex,
         Self::SeveralMaterials,
         Self::UnknownStatement,
     ];
@@ -52,6 +58,10 @@ impl ObjWarningKind {
             Self::VertexColor => "vertex colours or weights were ignored",
             Self::DegenerateFace => "faces with fewer than three corners were ignored",
             Self::UnusableNormal => "normals without a direction were replaced by computed ones",
+            Self::UnusableUv => "texture coordinates that are not finite were replaced by (0, 0)",
+            Self::DanglingIndex => {
+                "indices of texture coordinates or normals that do not exist were ignored"
+            }
             Self::SeveralMaterials => "materials are used, but the mesh has only one",
             Self::UnknownStatement => "unknown statements were ignored",
         }

@@ -101,7 +101,7 @@ impl Header {
                     check_entries(cursor, element.properties.len(), "properties")?;
                 }
                 ["end_header"] => break,
-                _ => return Err(malformed(cursor, &line)),
+                _ => return Err(malformed(cursor)),
             }
         }
         let Some(encoding) = encoding else {
@@ -124,7 +124,7 @@ fn read_encoding(cursor: &TextCursor<'_>, name: &str) -> Result<Encoding, MeshEr
         "binary_big_endian" => Ok(Encoding::Binary(ByteOrder::Big)),
         _ => Err(cursor.error(
             MeshErrorKind::Unsupported,
-            format!("the format `{}` is not supported", name.escape_debug()),
+            "expected the format `ascii`, `binary_little_endian` or `binary_big_endian`",
         )),
     }
 }
@@ -132,10 +132,10 @@ fn read_encoding(cursor: &TextCursor<'_>, name: &str) -> Result<Encoding, MeshEr
 fn read_element(cursor: &TextCursor<'_>, name: &str, count: &str) -> Result<Element, MeshError> {
     match count.parse() {
         Ok(row_count) => Ok(Element { name: name.to_owned(), row_count, properties: Vec::new() }),
-        Err(_) => Err(cursor.error(
-            MeshErrorKind::Syntax,
-            format!("`{}` is not a number of elements", count.escape_debug()),
-        )),
+        Err(_) => {
+            let message = "expected the number of elements after their name";
+            Err(cursor.error(MeshErrorKind::Syntax, message))
+        }
     }
 }
 
@@ -143,10 +143,8 @@ fn read_element(cursor: &TextCursor<'_>, name: &str, count: &str) -> Result<Elem
 fn read_property(cursor: &TextCursor<'_>, words: &[&str]) -> Result<Property, MeshError> {
     let scalar = |name: &str| {
         ScalarType::from_name(name).ok_or_else(|| {
-            cursor.error(
-                MeshErrorKind::Syntax,
-                format!("the type `{}` is unknown", name.escape_debug()),
-            )
+            let message = "expected a type such as `float`, `uchar` or `int`";
+            cursor.error(MeshErrorKind::Syntax, message)
         })
     };
     let integer = |name: &str| match scalar(name)? {
@@ -164,7 +162,7 @@ fn read_property(cursor: &TextCursor<'_>, words: &[&str]) -> Result<Property, Me
         [value, name] => {
             Ok(Property { name: name.to_owned(), value: scalar(value)?, list_count: None })
         }
-        _ => Err(malformed(cursor, &format!("property {}", words.join(" ")))),
+        _ => Err(malformed(cursor)),
     }
 }
 
@@ -175,10 +173,9 @@ fn check_entries(cursor: &TextCursor<'_>, count: usize, what: &str) -> Result<()
     Err(cursor.error(MeshErrorKind::Limit, format!("there are more than {MAX_ENTRIES} {what}")))
 }
 
-fn malformed(cursor: &TextCursor<'_>, line: &str) -> MeshError {
-    let start: String = line.chars().take(40).collect();
-    cursor.error(
-        MeshErrorKind::Syntax,
-        format!("`{}` is not a line of a PLY header", start.escape_debug()),
-    )
+/// The error for a line that is none of a header. It does not quote the line, which may be that of
+/// another kind of file.
+fn malformed(cursor: &TextCursor<'_>) -> MeshError {
+    let message = "expected `format`, `element`, `property`, `comment` or `end_header`";
+    cursor.error(MeshErrorKind::Syntax, message)
 }

@@ -20,15 +20,6 @@ pub(super) enum Version {
     Four,
 }
 
-impl Version {
-    fn offset_size(self) -> usize {
-        match self {
-            Self::Three => 4,
-            Self::Four => 8,
-        }
-    }
-}
-
 /// A compressed shape.
 #[derive(Debug)]
 pub(super) struct Shape<'a> {
@@ -44,69 +35,85 @@ pub(super) struct Dictionary<'a> {
     /// The file up to the dictionary.
     shapes: &'a [u8],
     offsets: &'a [u8],
-    version: Version,
+    /// The size of an offset in bytes.
+    offset_size: usize,
+    /// Whether the file has a dictionary; without one, only the first shape is known.
+    is_found: bool,
 }
 
 impl<'a> Dictionary<'a> {
     /// The dictionary at the end of a file. The version of the first shape determines the size of
-    /// its entries.
+    /// its entries; some writers use the size of the other version. A file without a dictionary
+    /// has one shape.
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, MeshError> {
         let version = read_shape_header(bytes, 0)?;
-        let truncated = || {
-            MeshError::new(MeshErrorKind::Truncated, "the file ends before its list of shapes")
-                .at_offset(bytes.len())
+        let [own, other] = match version {
+            Version::Three => [4, 8],
+            Version::Four => [8, 4],
         };
-        let (before_count, count) = bytes.split_last_chunk::<COUNT_SIZE>().ok_or_else(truncated)?;
-        let size = u64::from(u32::from_le_bytes(*count)) * version.offset_size() as u64;
-        let start =
-            usize::try_from(size).ok().and_then(|size| before_count.len().checked_sub(size));
-        match start {
-            Some(start) if start >= SHAPE_HEADER_SIZE => {
-                let (shapes, offsets) = before_count.split_at(start);
-                Ok(Self { shapes, offsets, version })
-            }
-            _ => Err(truncated()),
+        let found =
+            [own, other].into_iter().find_map(|offset_size| Self::at_end(bytes, offset_size));
+        Ok(found.unwrap_or(Self { shapes: bytes, offsets: &[], offset_size: own, is_found: false }))
+    }
+
+    /// The dictionary with offsets of this size, if all of them lead to shapes.
+    fn at_end(bytes: &'a [u8], offset_size: usize) -> Option<Self> {
+        let (before_count, count) = bytes.split_last_chunk::<COUNT_SIZE>()?;
+        let size = (u32::from_le_bytes(*count) as usize).checked_mul(offset_size)?;
+        let start = before_count.len().checked_sub(size)?;
+        if size == 0 || start < SHAPE_HEADER_SIZE {
+            return None;
         }
+        let (shapes, offsets) = before_count.split_at(start);
+        let found = Self { shapes, offsets, offset_size, is_found: true };
+        let leads_to_shape = |index| {
+            found.offset(index).is_some_and(|start| read_shape_header(shapes, start).is_ok())
+        };
+        (0..found.shape_count()).all(leads_to_shape).then_some(found)
+    }
+
+    /// Whether the file has a dictionary.
+    pub(super) fn is_found(&self) -> bool {
+        self.is_found
     }
 
     /// The number of shapes.
     pub(super) fn shape_count(&self) -> u32 {
+        if !self.is_found {
+            return 1;
+        }
         // The count was read from 32 bits.
-        (self.offsets.len() / self.version.offset_size()) as u32
+        (self.offsets.len() / self.offset_size) as u32
     }
 
     /// The shape with this index.
     pub(super) fn shape(&self, index: u32) -> Result<Shape<'a>, MeshError> {
-        let Some(offset) = self.offset(index) else {
-            return Err(MeshError::new(
-                MeshErrorKind::OutOfRange,
-                format!("there is no shape {index}: the file has {}", self.shape_count()),
-            ));
-        };
-        let start = usize::try_from(offset).ok().filter(|&start| start < self.shapes.len());
-        let Some(start) = start else {
-            return Err(MeshError::new(
-                MeshErrorKind::OutOfRange,
-                format!("shape {index} starts at byte {offset}, which is outside the shapes"),
-            ));
+        let Some(start) = self.offset(index) else {
+            let message = if self.is_found {
+                format!("there is no shape {index}: the file has {}", self.shape_count())
+            } else {
+                format!("there is no shape {index}: the file has no list of its shapes")
+            };
+            return Err(MeshError::new(MeshErrorKind::OutOfRange, message));
         };
         let version = read_shape_header(self.shapes, start)?;
         let offset = start + SHAPE_HEADER_SIZE;
         Ok(Shape { version, compressed: &self.shapes[offset..], offset })
     }
 
-    fn offset(&self, index: u32) -> Option<u64> {
-        let index = index as usize;
-        match self.version {
-            Version::Three => {
-                let offsets = self.offsets.as_chunks::<4>().0;
-                offsets.get(index).map(|&offset| u64::from(u32::from_le_bytes(offset)))
-            }
-            Version::Four => {
-                let offsets = self.offsets.as_chunks::<8>().0;
-                offsets.get(index).map(|&offset| u64::from_le_bytes(offset))
-            }
+    /// The offset of the shape with this index.
+    fn offset(&self, index: u32) -> Option<usize> {
+        if !self.is_found {
+            return (index == 0).then_some(0);
         }
+        let start = (index as usize).checked_mul(self.offset_size)?;
+        let entry = self.offsets.get(start..)?.get(..self.offset_size)?;
+        let offset = match *entry {
+            [a, b, c, d] => u64::from(u32::from_le_bytes([a, b, c, d])),
+            [a, b, c, d, e, f, g, h] => u64::from_le_bytes([a, b, c, d, e, f, g, h]),
+            _ => return None,
+        };
+        usize::try_from(offset).ok().filter(|start| *start < self.shapes.len())
     }
 }
 
@@ -121,7 +128,7 @@ fn read_shape_header(bytes: &[u8], start: usize) -> Result<Version, MeshError> {
     if identifier != IDENTIFIER {
         return error(
             MeshErrorKind::Syntax,
-            format!("a serialized shape starts with {IDENTIFIER:#06x}, not {identifier:#06x}"),
+            format!("expected a serialized shape, which starts with {IDENTIFIER:#06x}"),
         );
     }
     match u16::from_le_bytes([version_low, version_high]) {

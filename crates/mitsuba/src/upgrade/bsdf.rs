@@ -14,8 +14,23 @@ pub(super) fn upgrade(
 ) {
     match nodes[index].plugin.as_str() {
         "phong" | "ward" => glossy(nodes, index, approximations),
+        "normalmap" => name_the_map(nodes, index),
         name if name.starts_with("rough") => distribution(&mut nodes[index], approximations),
         _ => {}
+    }
+}
+
+/// Version 0.6 gives the picture of a `normalmap` no name.
+fn name_the_map(nodes: &mut [FlatNode], index: usize) {
+    let has_map = |name: Option<&str>| name == Some("normalmap");
+    if find(&nodes[index], "normalmap").is_some()
+        || nodes[index].children.iter().any(|child| has_map(child.name.as_deref()))
+    {
+        return;
+    }
+    let is_texture = |child: &Child| nodes[child.node.index()].class == Class::Texture;
+    if let Some(place) = nodes[index].children.iter().position(is_texture) {
+        nodes[index].children[place].name = Some("normalmap".into());
     }
 }
 

@@ -1,6 +1,7 @@
-//! Emitters: version 0.6's `sky`, `sun` and `sunsky` become one `sunsky` with +z up.
+//! Emitters: version 0.6's white spectra; its `sky`, `sun` and `sunsky` become one `sunsky` with +z
+//! up.
 
-use etendue_document::{FlatNode, Parameter, Value};
+use etendue_document::{FlatNode, Parameter, SpectrumValue, Value};
 use glam::{DMat4, DVec4};
 
 use super::approximation::Approximations;
@@ -14,29 +15,42 @@ const UP: DMat4 = DMat4::from_cols(
     DVec4::new(0.0, 1.0, 0.0, 0.0),
     DVec4::W,
 );
-/// Version 0.6's default ground albedo.
-const ALBEDO: f64 = 0.15;
+/// The default ground albedo in the code of version 0.6; its manual says 0.15.
+const ALBEDO: f64 = 0.2;
 /// The angular size of the sun in degrees.
 const APERTURE: f64 = 0.5358;
 /// A sun of size zero gets this fraction of the real size, because it cannot be a point.
 const LEAST_RADIUS: f64 = 0.01;
 /// Parameters that controlled how version 0.6 rasterised its sky.
-const WITHOUT_MEANING: [&str; 3] = ["resolution", "stretch", "sampling_weight"];
+const WITHOUT_MEANING: [&str; 2] = ["resolution", "sampling_weight"];
+/// Time and place, which a direction of the sun overrides in version 0.6.
+const TIME_AND_PLACE: [&str; 9] =
+    ["latitude", "longitude", "timezone", "year", "month", "day", "hour", "minute", "second"];
 
 /// Upgrades an emitter; `is_old` where its file is of version 0.x.
 pub(super) fn upgrade(node: &mut FlatNode, is_old: bool) {
-    let (own_scale, other_scale) = match node.plugin.as_str() {
-        "sky" => ("sky_scale", Some("sun_scale")),
-        "sun" => ("sun_scale", Some("sky_scale")),
-        "sunsky" if is_old => ("scale", None),
+    if is_old {
+        whiten(node);
+    }
+    let (own_scales, absent): (&[&str], _) = match node.plugin.as_str() {
+        "sky" => (&["sky_scale"], Some("sun_scale")),
+        "sun" => (&["sun_scale"], Some("sky_scale")),
+        "sunsky" if is_old => (&["sun_scale", "sky_scale"], None),
         _ => return,
     };
     node.plugin = "sunsky".into();
-    for scale in node.parameters.iter_mut().filter(|parameter| parameter.name == "scale") {
-        scale.name = own_scale.into();
+    if let Some(scale) = take(node, "scale") {
+        for name in own_scales {
+            if find(node, name).is_none() {
+                node.parameters.push(Parameter { name: (*name).into(), ..scale.clone() });
+            }
+        }
     }
-    if let Some(other_scale) = other_scale {
-        set(node, other_scale, Value::Float(0.0));
+    if let Some(absent) = absent {
+        set(node, absent, Value::Float(0.0));
+    }
+    if find(node, "sun_direction").is_some() {
+        TIME_AND_PLACE.iter().for_each(|name| drop(take(node, name)));
     }
     for name in WITHOUT_MEANING {
         take(node, name);
@@ -52,6 +66,16 @@ pub(super) fn upgrade(node: &mut FlatNode, is_old: bool) {
         _ => DMat4::IDENTITY,
     };
     set(node, "to_world", Value::transform(to_world * UP));
+}
+
+/// A spectrum of one number is that multiple of the white D65 in version 0.6, not of the spectrum of
+/// equal energy: in RGB, a plain number.
+fn whiten(node: &mut FlatNode) {
+    for parameter in &mut node.parameters {
+        if let Value::Spectrum(SpectrumValue::Constant(number)) = parameter.value {
+            parameter.value = Value::Float(number);
+        }
+    }
 }
 
 /// Turns a `timed_sunsky`, whose sun moves, into the `sunsky` of its first day at the middle of its

@@ -1,6 +1,7 @@
 //! Parameters of a node that is being upgraded.
 
-use etendue_document::{FlatNode, Parameter, Value};
+use etendue_document::{FlatNode, Parameter, SpectrumValue, Value};
+use glam::DVec3;
 
 /// Removes the parameters of that name and returns the last, which is the one that counts.
 pub(super) fn take(node: &mut FlatNode, name: &str) -> Option<Parameter> {
@@ -26,6 +27,15 @@ pub(super) fn number(value: &Value) -> Option<f64> {
         Value::Float(number) => Some(*number),
         Value::Integer(number) => Some(*number as f64),
         _ => None,
+    }
+}
+
+/// A colour that is constant over wavelengths or given in RGB.
+pub(super) fn color(value: &Value) -> Option<DVec3> {
+    match value {
+        Value::Rgb(color) => Some(*color),
+        Value::Spectrum(SpectrumValue::Constant(value)) => Some(DVec3::splat(*value)),
+        value => number(value).map(DVec3::splat),
     }
 }
 

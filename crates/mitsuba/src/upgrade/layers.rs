@@ -1,11 +1,11 @@
 //! Composite BSDFs and sheets: mixtures, coatings, diffuse transmission, woven cloth.
 
-use etendue_document::{Child, Class, FlatNode, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Child, Class, Diagnostics, Fault, FlatNode, NodeId, Parameter, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
 use super::bsdf::with_parameters;
-use super::entries::{find, new_parameter, number, take};
+use super::entries::{color, find, new_parameter, number, take};
 
 /// The reflectance at normal incidence of a coat without a numeric index: that of glass.
 const USUAL_REFLECTANCE: f64 = 0.04;
@@ -15,10 +15,22 @@ pub(super) fn upgrade(
     nodes: &mut Vec<FlatNode>,
     index: usize,
     approximations: &mut Approximations,
+    diagnostics: &Diagnostics,
 ) {
     match nodes[index].plugin.as_str() {
-        "mixturebsdf" => mixture(nodes, index),
-        "coating" | "roughcoating" => coating(nodes, index, approximations),
+        "mixturebsdf" => {
+            if let Err(problem) = mixture(nodes, index) {
+                refuse(&mut nodes[index], &problem, diagnostics);
+            }
+        }
+        "coating" | "roughcoating" => match nested(nodes, index).as_slice() {
+            [base] => coating(nodes, index, base, approximations),
+            bases => {
+                let problem =
+                    format!("needs one bsdf inside it, the material below, not {}", bases.len());
+                refuse(&mut nodes[index], &problem, diagnostics);
+            }
+        },
         "difftrans" => diffuse_transmitter(&mut nodes[index]),
         "hk" => slab(&mut nodes[index], approximations),
         "irawan" => cloth(&mut nodes[index], approximations),
@@ -32,21 +44,35 @@ fn nested(nodes: &[FlatNode], index: usize) -> Vec<Child> {
     nodes[index].children.iter().filter(is_bsdf).cloned().collect()
 }
 
+/// Reports what is wrong with a composite, and puts a plain material in its place.
+fn refuse(node: &mut FlatNode, problem: &str, diagnostics: &Diagnostics) {
+    let message = format!("`{}` {problem}", node.plugin);
+    diagnostics.error(Fault::MissingParameter, node.span, message);
+    node.plugin = "diffuse".into();
+    node.parameters.clear();
+    node.children.clear();
+}
+
 /// A mixture of any number becomes nested blends of two. If the weights sum to less than one, the
-/// rest is black; if to more, all are scaled down, as in version 0.6.
-fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
+/// rest is black; if to more, all are scaled down, as in version 0.6. The error says what is wrong
+/// with the mixture.
+fn mixture(nodes: &mut Vec<FlatNode>, index: usize) -> Result<(), String> {
+    let materials = nested(nodes, index);
+    if materials.is_empty() {
+        return Err("needs the bsdfs that it mixes inside it".to_owned());
+    }
     let Some(Value::String(text)) = find(&nodes[index], "weights").map(|weights| &weights.value)
     else {
-        return;
+        return Err("needs the string `weights`, one number for each bsdf".to_owned());
     };
     let words = text.split([',', ';', ' ', '\t', '\n']).filter(|word| !word.is_empty());
     let weights: Result<Vec<f64>, _> = words.map(str::parse::<f64>).collect();
-    let materials = nested(nodes, index);
-    // If the counts differ, the plugin is kept and reported as unknown.
-    let Ok(weights) = weights else { return };
-    let sound = weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0);
-    if weights.len() != materials.len() || weights.is_empty() || !sound {
-        return;
+    let weights = weights.map_err(|_| "has `weights` that are not numbers".to_owned())?;
+    if !weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0) {
+        return Err("has `weights` that are negative".to_owned());
+    }
+    if weights.len() != materials.len() {
+        return Err(format!("has {} weights for {} bsdfs", weights.len(), materials.len()));
     }
     let total: f64 = weights.iter().sum();
     let mut parts: Vec<(Child, f64)> = materials.into_iter().zip(weights).collect();
@@ -60,6 +86,7 @@ fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
     let FlatNode { plugin, parameters, children, .. } = nodes[root.node.index()].clone();
     let node = &mut nodes[index];
     (node.plugin, node.parameters, node.children) = (plugin, parameters, children);
+    Ok(())
 }
 
 /// Appends a node; returns its entry for a parent.
@@ -88,9 +115,12 @@ fn blend(nodes: &mut Vec<FlatNode>, origin: usize, parts: &[(Child, f64)]) -> Ch
 
 /// A clear coat over a diffuse base is `plastic`; over anything else, a mirror is mixed in,
 /// weighted by the coat's reflectance at normal incidence.
-fn coating(nodes: &mut Vec<FlatNode>, index: usize, approximations: &mut Approximations) {
-    let bases = nested(nodes, index);
-    let [base] = bases.as_slice() else { return };
+fn coating(
+    nodes: &mut Vec<FlatNode>,
+    index: usize,
+    base: &Child,
+    approximations: &mut Approximations,
+) {
     let below = nodes[base.node.index()].clone();
     let plugin = nodes[index].plugin.clone();
     let is_rough = plugin == "roughcoating";
@@ -199,13 +229,4 @@ fn rename(node: &mut FlatNode, old: &str, new: &str) {
     parameters.for_each(|parameter: &mut Parameter| parameter.name = new.into());
     let children = node.children.iter_mut().filter(|child| child.name.as_deref() == Some(old));
     children.for_each(|child| child.name = Some(new.into()));
-}
-
-/// A colour that is constant over wavelengths or given in RGB.
-fn color(value: &Value) -> Option<DVec3> {
-    match value {
-        Value::Rgb(color) => Some(*color),
-        Value::Spectrum(SpectrumValue::Constant(value)) => Some(DVec3::splat(*value)),
-        value => number(value).map(DVec3::splat),
-    }
 }

@@ -1,13 +1,16 @@
 //! Media, their phase functions and volumes.
 
-use etendue_document::{Child, Class, FlatNode, List, NodeId, Parameter, SpectrumValue, Value};
+use etendue_document::{Child, Class, FlatNode, List, NodeId, Parameter, Value};
 use glam::DVec3;
 
 use super::approximation::Approximations;
-use super::entries::{find, new_parameter, number, take};
+use super::entries::{color, find, new_parameter, take};
 
 /// The named media of version 0.6, with their measured coefficients.
 static PRESETS: &str = include_str!("data/media.txt");
+
+/// The medium of version 0.6 where a scene names none.
+const DEFAULT_PRESET: &str = "skin1";
 
 /// Upgrades one medium.
 pub(super) fn upgrade(node: &mut FlatNode, approximations: &mut Approximations) {
@@ -24,7 +27,7 @@ pub(super) fn old_defaults(node: &mut FlatNode) {
     let stated = ["material", "sigma_s", "sigma_a", "sigma_t", "albedo"];
     let says_nothing = stated.iter().all(|name| !has(node, name));
     if node.class == Class::Medium && node.plugin == "homogeneous" && says_nothing {
-        let skin = new_parameter(node, "material", Value::String("skin1".to_owned()));
+        let skin = new_parameter(node, "material", Value::String(DEFAULT_PRESET.to_owned()));
         node.parameters.push(skin);
     }
 }
@@ -56,25 +59,31 @@ fn coefficients(node: &mut FlatNode, approximations: &mut Approximations) {
 
 /// Removes the name of a preset and returns its scattering and absorption. An unknown name is kept
 /// and reported.
-fn preset(node: &mut FlatNode) -> Option<(DVec3, DVec3)> {
+pub(super) fn preset(node: &mut FlatNode) -> Option<(DVec3, DVec3)> {
     let Value::String(name) = &find(node, "material")?.value else { return None };
-    let name = name.to_lowercase();
+    let found = coefficients_of(&name.to_lowercase())?;
+    take(node, "material");
+    Some(found)
+}
+
+/// Scattering and absorption of skin, which is what version 0.6 renders by default.
+pub(super) fn skin() -> (DVec3, DVec3) {
+    coefficients_of(DEFAULT_PRESET).unwrap_or_default()
+}
+
+/// Scattering and absorption of a named medium.
+fn coefficients_of(name: &str) -> Option<(DVec3, DVec3)> {
     let lines = PRESETS.lines().filter(|line| !line.starts_with('#'));
     let (_, numbers) =
         lines.filter_map(|line| line.split_once(": ")).find(|(known, _)| *known == name)?;
     let numbers: Vec<f64> = numbers.split(' ').filter_map(|word| word.parse().ok()).collect();
     let [s0, s1, s2, a0, a1, a2] = numbers.try_into().ok()?;
-    take(node, "material");
     Some((DVec3::new(s0, s1, s2), DVec3::new(a0, a1, a2)))
 }
 
 /// Removes a constant colour and returns it; others are kept and reported.
 fn constant(node: &mut FlatNode, name: &str) -> Option<DVec3> {
-    let value = match &find(node, name)?.value {
-        Value::Rgb(color) => *color,
-        Value::Spectrum(SpectrumValue::Constant(number)) => DVec3::splat(*number),
-        other => DVec3::splat(number(other)?),
-    };
+    let value = color(&find(node, name)?.value)?;
     take(node, name);
     Some(value)
 }
@@ -130,8 +139,19 @@ fn mixture(nodes: &mut Vec<FlatNode>, index: usize) {
 }
 
 /// Upgrades one volume whose children have been upgraded.
-pub(super) fn upgrade_volume(nodes: &mut [FlatNode], index: usize) {
-    take(&mut nodes[index], "send_data");
+pub(super) fn upgrade_volume(
+    nodes: &mut [FlatNode],
+    index: usize,
+    approximations: &mut Approximations,
+) {
+    let node = &mut nodes[index];
+    take(node, "send_data");
+    if node.plugin == "hgridvolume" {
+        let message = "`hgridvolume` is rendered as `constvolume` of 0: its grids are not read";
+        approximations.add(message, node.span);
+        node.parameters = vec![new_parameter(node, "value", Value::Float(0.0))].into();
+        node.plugin = "constvolume".into();
+    }
     // A cache of another volume's values.
     if nodes[index].plugin != "volcache" {
         return;

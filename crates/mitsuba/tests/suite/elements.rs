@@ -67,7 +67,13 @@ fn colors() {
     // 0x80/255 is 0.2158605 of full intensity (IEC 61966-2-1).
     let Value::Rgb(grey) = read("<srgb name='a' value='#808080'/>") else { panic!() };
     assert!((grey - DVec3::splat(0.2158605)).length() < 1e-7, "{grey}");
-    assert_eq!(refused("<rgb name='a' value='#ff00'/>"), "`#ff00` is not a colour `#rrggbb`");
+    assert_eq!(read("<rgb name='a' value='#f00'/>"), rgb(1.0, 0.0, 0.0));
+    for with_alpha in ["#f008", "#ff000080"] {
+        let loaded = load(&format!("<shape type='x'><rgb name='a' value='{with_alpha}'/></shape>"));
+        assert_eq!(loaded.findings(), [(Warning, BadValue, 2)], "the alpha is left out");
+        assert_eq!(value(object(&loaded.document, 0), "a"), &rgb(1.0, 0.0, 0.0));
+    }
+    assert_eq!(refused("<rgb name='a' value='#ff000'/>"), "`#ff000` is not a colour `#rrggbb`");
     assert_eq!(refused("<rgb name='a' value='#+f0000'/>"), "`#+f0000` is not a colour `#rrggbb`");
     assert_eq!(refused("<rgb name='a' value='1 2'/>"), "three numbers are expected, not 2");
 }

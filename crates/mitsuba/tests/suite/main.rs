@@ -8,6 +8,7 @@ mod mutation;
 mod references;
 mod transforms;
 mod upgrades;
+mod wild;
 
 use etendue_document::{
     Diagnostics, Document, Fault, FlatNode, MemoryResources, NodeId, Resources, Severity, Value,
@@ -23,6 +24,15 @@ struct Loaded {
 /// Loads the content of a scene, which starts on line 2.
 fn load(content: &str) -> Loaded {
     load_with(content, &MemoryResources::default(), &LoadOptions::default())
+}
+
+/// Loads the content of a scene of version 0.6, which starts on line 2.
+fn load_old(content: &str) -> Loaded {
+    let text = format!("<scene version=\"0.6.0\">\n{content}\n</scene>");
+    let diagnostics = Diagnostics::new();
+    let (resources, options) = (MemoryResources::default(), LoadOptions::default());
+    let document = read_text(&text, &resources, &options, &diagnostics).expect("it is a scene");
+    Loaded { document, diagnostics }
 }
 
 fn load_with(content: &str, resources: &dyn Resources, options: &LoadOptions) -> Loaded {

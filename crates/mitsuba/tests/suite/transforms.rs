@@ -92,8 +92,8 @@ fn tiny_and_exporter_matrices_are_not_singular() {
 fn transforms_that_cannot_be_used_are_errors_and_leave_no_value() {
     let cases = [
         ("<scale value='0'/>", BadValue, "singular"),
-        ("<scale x='1' y='0'/>", BadValue, "singular"),
-        ("<matrix value='1 2 3 2 4 6 0 0 1'/>", BadValue, "singular"),
+        ("<scale value='1 0 0'/>", BadValue, "singular"),
+        ("<matrix value='1 2 3 2 4 6 0 0 0'/>", BadValue, "singular"),
         ("<scale value='1e300'/>", BadValue, "singular"),
         ("<matrix value='1 0 0 0 0 1 0 0 0 0 1 0 1 0 0 1'/>", BadValue, "last row"),
         ("<matrix value='1 2 3'/>", BadValue, "16 or 9 numbers, not 3"),
@@ -114,6 +114,31 @@ fn transforms_that_cannot_be_used_are_errors_and_leave_no_value() {
         assert!(loaded.messages()[0].contains(words), "{:?}", loaded.messages());
         assert!(object(&loaded.document, 0).parameters.is_empty());
     }
+}
+
+#[test]
+fn a_flat_transform_is_thickened() {
+    for operations in [
+        "<scale x='1' y='0'/>",
+        "<matrix value='1 2 3 2 4 6 0 0 1'/>",
+        "<scale value='1 1 0'/><rotate x='1' angle='30'/><scale value='2'/>",
+    ] {
+        let loaded = load(&format!(
+            "<shape type='x'><transform name='to_world'>{operations}</transform></shape>"
+        ));
+        assert_eq!(loaded.findings(), [(Warning, BadValue, 2)], "{operations}");
+        let Value::Transform(matrix) = value(object(&loaded.document, 0), "to_world") else {
+            panic!("a transform");
+        };
+        assert!(matrix.inverse().is_finite());
+    }
+}
+
+#[test]
+fn only_shapes_may_be_flat() {
+    let loaded =
+        load("<sensor type='x'><transform name='to_world'>\n<scale z='0'/>\n</transform></sensor>");
+    assert_eq!(loaded.findings(), [(Error, BadValue, 3)]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Older dialects in the names of version 3.
 
-use etendue_document::Fault::Approximation;
-use etendue_document::Severity::{Note, Warning};
+use etendue_document::Fault::{Approximation, MissingParameter};
+use etendue_document::Severity::{Error, Note, Warning};
 use etendue_document::{Diagnostics, MemoryResources, SpectrumValue, Value};
 use etendue_mitsuba::{LoadOptions, read_text};
 use glam::{DMat4, DVec3};
@@ -56,7 +56,22 @@ fn renamed_parameters() {
 
 #[test]
 fn integrators_this_version_lacks_become_path() {
-    for plugin in ["bdpt", "mlt", "pssmlt", "erpt", "ppm", "sppm", "photonmapper", "vpl", "prb"] {
+    for plugin in [
+        "bdpt",
+        "mlt",
+        "pssmlt",
+        "erpt",
+        "ppm",
+        "sppm",
+        "photonmapper",
+        "vpl",
+        "prb",
+        "prb_basic",
+        "prb_projective",
+        "prb_reparam",
+        "prb_threepoint",
+        "motion",
+    ] {
         let loaded = approximated(
             &format!(
                 "<integrator type='{plugin}'><integer name='maxDepth' value='7'/>
@@ -73,6 +88,12 @@ fn integrators_this_version_lacks_become_path() {
         let loaded = approximated(&format!("<integrator type='{plugin}'/>"), 2);
         assert_eq!(object(&loaded.document, 0).plugin, "volpath");
     }
+    for plugin in ["direct_projective", "direct_reparam", "ao"] {
+        let loaded = approximated(&format!("<integrator type='{plugin}'/>"), 2);
+        assert_eq!(object(&loaded.document, 0).plugin, "direct");
+    }
+    let emission = approximated("<integrator type='emission_reparam'/>", 2);
+    assert_eq!(value(object(&emission.document, 0), "max_depth"), &Value::Integer(1));
     for plugin in ["path", "direct", "depth", "moment", "aov"] {
         assert_eq!(object(&clean(&format!("<integrator type='{plugin}'/>")), 0).plugin, plugin);
     }
@@ -251,10 +272,8 @@ fn plugins_that_are_gone_become_the_nearest() {
     ] {
         assert_eq!(object(&approximated(content, 2).document, 0).plugin, new);
     }
-    for plugin in ["roughdiffuse", "coating", "mixturebsdf"] {
-        let document = clean(&format!("<bsdf type='{plugin}'/>"));
-        assert_eq!(object(&document, 0).plugin, plugin, "is left to who builds it");
-    }
+    let document = clean("<bsdf type='roughdiffuse'/>");
+    assert_eq!(object(&document, 0).plugin, "roughdiffuse", "is left to who builds it");
 }
 
 #[test]
@@ -288,7 +307,7 @@ fn the_sky_and_the_sun_of_version_0_6_become_one_plugin() {
     assert_eq!(value(sky, "sun_scale"), &Value::Float(0.0));
     assert_eq!(value(sun, "sky_scale"), &Value::Float(0.0));
     assert_eq!(value(sun, "sun_aperture"), &Value::Float(2.0 * 0.5358));
-    assert_eq!(value(sky, "albedo"), &Value::Float(0.15), "the default of that version");
+    assert_eq!(value(sky, "albedo"), &Value::Float(0.2), "the default of that version");
     assert_eq!(value(sun, "albedo"), &Value::Rgb(DVec3::splat(0.5)));
     let Value::Transform(to_world) = value(sky, "to_world") else { panic!("a transform") };
     assert_eq!(to_world.transform_vector3(DVec3::Z), DVec3::Y, "up");
@@ -319,13 +338,31 @@ fn mixtures_become_blends_of_two() {
 }
 
 #[test]
-fn mixtures_of_other_numbers_stay_to_be_reported() {
-    for weights in ["0.5", "0.5, 0.5, 0.5", "a, b", "-1, 2", ""] {
-        let document = clean(&format!(
+fn composites_say_what_is_wrong_with_them() {
+    let mixture = |weights: &str| {
+        format!(
             "<bsdf type='mixturebsdf'><string name='weights' value='{weights}'/>
                 <bsdf type='diffuse'/><bsdf type='plastic'/></bsdf>"
-        ));
-        assert_eq!(object(&document, 0).plugin, "mixturebsdf", "{weights}");
+        )
+    };
+    let none = "<bsdf type='mixturebsdf'/>".to_owned();
+    let no_weights = "<bsdf type='mixturebsdf'><bsdf type='diffuse'/></bsdf>".to_owned();
+    let coating = "<bsdf type='coating'/>".to_owned();
+    let two = "<bsdf type='roughcoating'><bsdf type='diffuse'/><bsdf type='diffuse'/></bsdf>";
+    for (content, words) in [
+        (mixture("0.5"), "`mixturebsdf` has 1 weights for 2 bsdfs"),
+        (mixture("0.5, 0.5, 0.5"), "has 3 weights for 2 bsdfs"),
+        (mixture("a, b"), "not numbers"),
+        (mixture("-1, 2"), "negative"),
+        (none, "needs the bsdfs that it mixes"),
+        (no_weights, "needs the string `weights`"),
+        (coating, "`coating` needs one bsdf inside it"),
+        (two.to_owned(), "`roughcoating` needs one bsdf inside it, the material below, not 2"),
+    ] {
+        let loaded = load(&content);
+        assert_eq!(loaded.findings(), [(Error, MissingParameter, 2)], "{content}");
+        assert!(loaded.messages()[0].contains(words), "{:?}", loaded.messages());
+        assert_eq!(object(&loaded.document, 0).plugin, "diffuse", "no second message");
     }
 }
 

@@ -7,8 +7,8 @@ use crate::manual::{Manual, parameter};
 use crate::models::bsdf_inputs::{fraction, limited, nested};
 #[cfg(test)]
 use crate::testing::bsdf_cases::{Cases, lossless, plain};
-use crate::texture::ScalarSource;
-use etendue_document::Parameters;
+use crate::texture::{ScalarSource, Textures};
+use etendue_document::{Fault, Parameters, Value};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -49,8 +49,26 @@ pub struct Mask {
 /// Reads the parameters.
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Mask> {
     let opacity = fraction(builder, parameters, "opacity", 0.5);
+    warn_of_color(builder, parameters, opacity);
     let nested = nested(builder, parameters, 1..=1)?[0];
     Some(Mask { opacity, nested })
+}
+
+/// The difference between two channels of an opacity that is still grey.
+const GREY: f32 = 1e-3;
+
+/// Warns of an opacity with a colour, whose channels would let through different light.
+fn warn_of_color(builder: &Builder<'_>, parameters: &Parameters<'_>, opacity: ScalarSource) {
+    let color = match (opacity, parameters.value("opacity")) {
+        (ScalarSource::Texture(id), _) => Textures(&builder.textures).mean(id).rgb(),
+        (_, Some((Value::Rgb(color), _))) => color.as_vec3().to_array(),
+        _ => return,
+    };
+    let [low, high] = [f32::min, f32::max].map(|pick| color.into_iter().reduce(pick));
+    if high > low.map(|low| low + GREY) {
+        let message = "this opacity has a colour: its luminance counts, for all channels alike";
+        parameters.warning(Fault::Approximation, "opacity", message);
+    }
 }
 
 impl WrapperMaterial for Mask {

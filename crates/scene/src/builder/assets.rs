@@ -82,6 +82,7 @@ pub(super) struct Decoded<'a> {
 }
 
 /// A value made from a node, and a digest of all its inputs, including files.
+#[derive(Clone)]
 pub(super) struct Made<T> {
     pub(super) value: T,
     /// Zero without a cache.

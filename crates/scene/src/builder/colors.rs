@@ -1,12 +1,16 @@
 //! Colour, scalar and index parameters: numbers, spectra or textures.
 
 use super::Builder;
+use crate::manual::PLUGINS_PAGE;
 use crate::texture::{ColorSource, ScalarSource};
-use etendue_document::{Class, Fault, Parameters, SpectrumValue, Value, list_names, near_names};
+use etendue_document::{Class, Diagnostic, Fault, Parameters, SpectrumValue, Value, list_some};
 use etendue_spectrum::{
     SampledSpectrum, Spectrum, SpectrumUse, blackbody_rgb, parse_spd, refractive_index,
     refractive_index_names,
 };
+
+/// Words for glass, of which there are many kinds.
+const GLASSES: [&str; 4] = ["glass", "glas", "crown glass", "window glass"];
 
 impl Builder<'_> {
     /// A colour parameter: `rgb`, `spectrum`, `blackbody`, a number, or a texture.
@@ -165,11 +169,16 @@ impl Builder<'_> {
             return parameters.float_in(name, f64::from(fallback), range) as f32;
         };
         refractive_index(material).unwrap_or_else(|| {
-            let near = near_names(material, refractive_index_names());
-            let near = if near.is_empty() { refractive_index_names().collect() } else { near };
-            let message =
-                format!("no material `{material}` is known; there is {}", list_names(near));
-            parameters.error(Fault::BadValue, name, message);
+            let message = format!("there is no dielectric `{material}`");
+            let found = Diagnostic::error(Fault::BadValue, parameters.span_of(name), message);
+            let is_glass = GLASSES.contains(&material.trim().to_lowercase().as_str());
+            let found = if is_glass {
+                found.help("common glass is `bk7`, or the number 1.5")
+            } else {
+                found
+            };
+            let some = list_some(material, refractive_index_names(), PLUGINS_PAGE);
+            parameters.diagnostics().push(found.help(format!("there are {some}")));
             fallback
         })
     }

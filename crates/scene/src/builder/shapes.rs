@@ -2,6 +2,7 @@
 
 use super::Builder;
 use super::assets::{LoadedShape, Made};
+use super::attached::is_outside_shapes;
 use crate::emitter::SHAPE_EMITTERS;
 use crate::emitter::{Emitter, read_sampling_weight};
 use crate::ids::{EmitterId, GroupId, MaterialId, ShapeId};
@@ -13,14 +14,22 @@ use crate::shape::instance::Instance;
 use crate::shape::shapegroup::Group;
 use crate::shape::{Geometry, Shape};
 use etendue_document::{Child, Class, Fault, NodeId, Parameters};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Shapes with their geometry, but without materials.
-type LoadedShapes<'a> = HashMap<NodeId, LoadedShape<'a>>;
+struct LoadedShapes<'a> {
+    loaded: HashMap<NodeId, LoadedShape<'a>>,
+    /// Those that are held more than once.
+    shared: HashSet<NodeId>,
+}
 
 impl<'a> Builder<'a> {
     /// All shapes of the scene: top-level ones, then those within groups. Then instances.
-    pub(super) fn shapes(&mut self, root: &Parameters<'_>, mut loaded: LoadedShapes<'a>) -> Parts {
+    pub(super) fn shapes(
+        &mut self,
+        root: &Parameters<'_>,
+        loaded: HashMap<NodeId, LoadedShape<'a>>,
+    ) -> Parts {
         let mut parts = Parts::default();
         let children = root.children_of(Class::Shape);
         let plugin = |child: &&Child| self.assets.document.node(child.node).plugin.as_str();
@@ -32,13 +41,39 @@ impl<'a> Builder<'a> {
             .filter(|child| plugin(child) == "instance")
             .map(|child| child.node)
             .collect();
+        let shared = self.shared_shapes(&simple);
+        let mut loaded = LoadedShapes { loaded, shared };
         for child in simple {
-            if let Some(shape) = loaded.remove(&child.node) {
+            if let Some(shape) = self.take_shape(child.node, &mut loaded) {
                 self.add_shape(shape, &mut parts);
             }
         }
         self.add_instances(&instances, &mut loaded, &mut parts);
         parts
+    }
+
+    /// The shapes that the scene and its groups hold more than once, by references.
+    fn shared_shapes(&self, of_scene: &[&Child]) -> HashSet<NodeId> {
+        let nodes = &self.assets.document.nodes;
+        let mut groups = nodes.iter().filter(|node| node.plugin == "shapegroup").peekable();
+        if groups.peek().is_none() {
+            return HashSet::new();
+        }
+        let mut seen: HashSet<NodeId> = of_scene.iter().map(|child| child.node).collect();
+        let members = groups.flat_map(|group| group.children.iter().map(|child| child.node));
+        members.filter(|member| !seen.insert(*member)).collect()
+    }
+
+    /// A shape, to be added to the scene or a group. Of a shared one, a copy whose parameters have
+    /// been read to the same extent.
+    fn take_shape(&self, node: NodeId, shapes: &mut LoadedShapes<'a>) -> Option<LoadedShape<'a>> {
+        if !shapes.shared.contains(&node) {
+            return shapes.loaded.remove(&node);
+        }
+        let LoadedShape { parameters: read, geometry } = shapes.loaded.get(&node)?;
+        let parameters = self.parameters(node);
+        parameters.repeat(&read.reading());
+        Some(LoadedShape { parameters, geometry: geometry.clone() })
     }
 
     fn add_shape(&mut self, loaded: LoadedShape<'_>, parts: &mut Parts) {
@@ -81,6 +116,9 @@ impl<'a> Builder<'a> {
     fn shape_emitter(&mut self, parameters: &Parameters<'_>, shape: ShapeId) -> Option<Emitter> {
         let child = parameters.unnamed_child(Class::Emitter)?;
         let parameters = self.parameters(child.node);
+        if is_outside_shapes(&parameters) {
+            return None;
+        }
         let build = find(SHAPE_EMITTERS, &parameters)?;
         let emitter = build(self, &parameters, shape);
         self.emitter_weights.push(read_sampling_weight(&parameters));
@@ -180,10 +218,10 @@ impl<'a> Builder<'a> {
     fn grouped(&mut self, group: &Parameters<'_>, loaded: &mut LoadedShapes<'a>) -> Parts {
         let mut members = Parts::default();
         for child in group.children_of(Class::Shape) {
-            match loaded.remove(&child.node) {
+            match self.take_shape(child.node, loaded) {
                 Some(shape) => self.add_shape(shape, &mut members),
                 None => {
-                    let message = "a shape group holds shapes of its own: no instances or groups, and none twice";
+                    let message = "a shape group holds shapes: no instances and no other groups";
                     self.assets.diagnostics.error(Fault::Unsupported, child.span, message);
                 }
             }

@@ -1,5 +1,6 @@
 //! `sunsky`: a clear sky with the sun, by time and place.
 
+mod dome;
 mod model;
 mod position;
 
@@ -13,6 +14,7 @@ use crate::manual::{Manual, parameter};
 #[cfg(test)]
 use crate::testing::emitter_cases::Cases;
 use crate::texture::ColorSource;
+use dome::Dome;
 use etendue_document::{Fault, Parameters};
 use etendue_math::{Frame, Transform};
 use etendue_sampling::{Distribution2D, warp};
@@ -20,7 +22,7 @@ use etendue_spectrum::{Spectrum, SpectrumUse};
 use glam::{DVec3, Vec2, Vec3};
 use model::{Conditions, Disk, Sky};
 use position::{Moment, Place};
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::f32::consts::TAU;
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -55,6 +57,19 @@ pub const MANUAL: Manual = Manual {
             "false",
             "The disk is darker at its rim, instead of the same all over.",
         ),
+        parameter(
+            "stretch",
+            "float",
+            "1",
+            "From 1 to 2: polar angles of the sky and the sun are multiplied by it, which brings light \
+             below the horizon (Mitsuba 0.6).",
+        ),
+        parameter(
+            "extend",
+            "boolean",
+            "false",
+            "Whether the sky fades out below the horizon, instead of ending there (Mitsuba 0.6).",
+        ),
         parameter("to_world", "transform", "", "Turns the sky; `sun_direction` stays."),
         SAMPLING_WEIGHT,
     ],
@@ -70,6 +85,8 @@ pub const MANUAL: Manual = Manual {
 pub(crate) const CASES: Cases = Cases {
     hittable: &[
         r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/><float name="sun_aperture" value="30"/><transform name="to_world"><rotate x="1" angle="30"/></transform></emitter>"#,
+        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/><float name="sun_aperture" value="30"/><float name="stretch" value="1.5"/></emitter>"#,
+        r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/><float name="sun_aperture" value="30"/><boolean name="extend" value="true"/></emitter>"#,
     ],
     leaving: &[
         r#"<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.2" z="0.5"/></emitter>"#,
@@ -92,12 +109,10 @@ const LEAST_SHARE: f32 = 0.1;
 #[derive(Clone, Debug)]
 pub struct SunSky {
     to_world: Transform,
-    /// Unit, in the emitter's space.
-    sun_direction: Vec3,
-    sky: Sky,
+    dome: Dome,
     sky_scale: f32,
     sun: Option<Sun>,
-    /// Over azimuth and polar angle of the upper hemisphere.
+    /// Over azimuth and polar angle of the dome.
     distribution: Distribution2D,
     sun_probability: f32,
 }
@@ -128,6 +143,8 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
     let sky_scale = parameters.float_in("sky_scale", 1.0, range) as f32;
     let aperture = parameters.float_in("sun_aperture", TRUE_APERTURE, 1e-3..180.0);
     let complex_sun = parameters.boolean("complex_sun", false);
+    let stretch = parameters.float_in("stretch", 1.0, 1.0..=2.0) as f32;
+    let extend = parameters.boolean("extend", false);
     let to_world = read_transform(parameters, "to_world")?;
     let sun_direction = read_sun_direction(parameters, &to_world)?;
     if sun_direction.z < 0.0 {
@@ -142,6 +159,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
     let scale = sun_scale * (smaller * smaller) as f32;
     let is_up = sun_direction.z >= 0.0;
     let direction = sun_direction.as_vec3().normalize();
+    let dome = Dome { sky, sun_direction: direction, stretch, extend };
     let sun = (sun_scale > 0.0 && is_up).then(|| {
         let disk = Disk::new(turbidity);
         let radiance = if complex_sun {
@@ -153,10 +171,10 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
             one_minus_cosine: warp::uniform_cone::one_minus_cosine(half_angle as f32),
             sine: half_angle.sin(),
             radiance,
-            frame: Frame::from_normal(direction),
+            frame: Frame::from_normal(stretched(direction, stretch)),
         }
     });
-    SunSky::new(to_world, direction, (sky, if is_up { sky_scale } else { 0.0 }), sun)
+    SunSky::new(to_world, (dome, if is_up { sky_scale } else { 0.0 }), sun)
 }
 
 fn read_albedo(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> [f64; 3] {
@@ -172,6 +190,16 @@ fn read_albedo(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> [f64; 
         parameters.error(Fault::BadValue, "albedo", "an albedo is at most 1");
     }
     color.rgb().map(f64::from)
+}
+
+/// A unit direction whose polar angle is multiplied by `stretch`.
+fn stretched(direction: Vec3, stretch: f32) -> Vec3 {
+    if stretch == 1.0 {
+        return direction;
+    }
+    let theta = direction.truncate().length().atan2(direction.z);
+    let (sin, cos) = (stretch * theta).sin_cos();
+    (sin * direction.truncate().normalize_or(Vec2::X)).extend(cos)
 }
 
 /// The unit direction towards the sun in the emitter's space.
@@ -247,31 +275,25 @@ impl Light for SunSky {
 
 impl SunSky {
     /// Never `None`, because every cell has a minimum weight.
-    fn new(
-        to_world: Transform,
-        sun_direction: Vec3,
-        (sky, sky_scale): (Sky, f32),
-        sun: Option<Sun>,
-    ) -> Option<Self> {
+    fn new(to_world: Transform, (dome, sky_scale): (Dome, f32), sun: Option<Sun>) -> Option<Self> {
         let (columns, rows) = CELLS;
         let cell = Vec2::new(1.0 / columns as f32, 1.0 / rows as f32);
         let mut weights = Vec::with_capacity((columns * rows) as usize);
         for row in 0..rows {
             for column in 0..columns {
                 let place = Vec2::new(column as f32 + 0.5, row as f32 + 0.5) * cell;
-                let direction = unmap(place);
-                let radiance = sky_radiance(&sky, sun_direction, direction);
-                let sin_theta = (place.y * FRAC_PI_2).sin();
+                let radiance = dome.radiance(dome.unmap(place));
+                let sin_theta = (place.y * dome.reach()).sin();
                 weights.push(radiance.luminance() * sin_theta);
             }
         }
         let mean = weights.iter().sum::<f32>() / weights.len() as f32;
         let floor = if mean > 0.0 { FLOOR * mean } else { 1.0 };
         weights.iter_mut().for_each(|weight| *weight += floor);
-        // The map stretches the unit square to 2π by π/2.
-        let sky_light = sky_scale * mean * TAU * FRAC_PI_2;
+        // The map stretches the unit square to 2π by π/2, or more of a stretched dome.
+        let sky_light = sky_scale * mean * TAU * dome.reach();
         let sun_light = sun.as_ref().map_or(0.0, |sun| {
-            sun.radiance(0.0, sun_direction.z).luminance() * TAU * sun.one_minus_cosine
+            sun.radiance(0.0, dome.sun_direction.z).luminance() * TAU * sun.one_minus_cosine
         });
         let sun_probability = match (sun_light > 0.0, sky_light > 0.0) {
             (true, true) => {
@@ -281,7 +303,7 @@ impl SunSky {
             _ => 0.0,
         };
         let distribution = Distribution2D::new(&weights, CELLS).ok()?;
-        Some(Self { to_world, sun_direction, sky, sky_scale, sun, distribution, sun_probability })
+        Some(Self { to_world, dome, sky_scale, sun, distribution, sun_probability })
     }
 
     /// Radiance from the unit world direction `direction`.
@@ -294,13 +316,16 @@ impl SunSky {
     }
 
     fn local_radiance(&self, local: Vec3) -> Spectrum {
-        if local.z < 0.0 {
+        if !self.dome.covers(local) {
             return Spectrum::ZERO;
         }
-        let sky = sky_radiance(&self.sky, self.sun_direction, local) * self.sky_scale;
+        let sky = self.dome.radiance(local) * self.sky_scale;
         match &self.sun {
             Some(sun) if sun.holds(local) => {
-                sky + sun.radiance(self.sun_direction.cross(local).length(), local.z)
+                // The disk of a stretched dome is that of the sun's true height.
+                let height =
+                    if self.dome.stretch == 1.0 { local.z } else { self.dome.sun_direction.z };
+                sky + sun.radiance(sun.frame.n.cross(local).length(), height)
             }
             _ => sky,
         }
@@ -317,7 +342,8 @@ impl SunSky {
             _ => {
                 let rest = (random.x - self.sun_probability) / (1.0 - self.sun_probability);
                 let random = Vec2::new(rest, random.y);
-                unmap(self.distribution.sample(random.min(Vec2::splat(1.0 - f32::EPSILON))).0)
+                let place = self.distribution.sample(random.min(Vec2::splat(1.0 - f32::EPSILON))).0;
+                self.dome.unmap(place)
             }
         };
         let direction = self.to_world.vector(local).try_normalize()?;
@@ -337,12 +363,13 @@ impl SunSky {
     }
 
     fn local_pdf(&self, local: Vec3) -> f32 {
-        if local.z < 0.0 {
+        if !self.dome.covers(local) {
             return 0.0;
         }
         let sin_theta = local.truncate().length();
-        let stretch = TAU * FRAC_PI_2 * sin_theta;
-        let sky = if stretch > 0.0 { self.distribution.pdf(map(local)) / stretch } else { 0.0 };
+        let area = TAU * self.dome.reach() * sin_theta;
+        let place = self.dome.map(local);
+        let sky = if area > 0.0 { self.distribution.pdf(place) / area } else { 0.0 };
         let sun = match &self.sun {
             Some(sun) if sun.holds(local) => 1.0 / (TAU * sun.one_minus_cosine),
             _ => 0.0,
@@ -371,27 +398,6 @@ impl Sun {
             }
         }
     }
-}
-
-fn sky_radiance(sky: &Sky, sun_direction: Vec3, local: Vec3) -> Spectrum {
-    // Accurate at all angles; the arc cosine loses precision at small ones.
-    let chord = (local - sun_direction).length();
-    let gamma = 2.0 * (0.5 * chord).min(1.0).asin();
-    Spectrum::from_rgb(sky.radiance(local.z, gamma).map(|value| value.max(0.0)))
-}
-
-/// The unit direction of a point in the unit square, which holds azimuth and polar angle.
-fn unmap(place: Vec2) -> Vec3 {
-    let (sin_azimuth, cos_azimuth) = (place.x * TAU).sin_cos();
-    let (sin_theta, cos_theta) = (place.y * FRAC_PI_2).sin_cos();
-    Vec3::new(sin_theta * cos_azimuth, sin_theta * sin_azimuth, cos_theta.max(0.0))
-}
-
-/// The inverse of [`unmap`].
-fn map(direction: Vec3) -> Vec2 {
-    let azimuth = direction.y.atan2(direction.x) / TAU;
-    let theta = direction.truncate().length().atan2(direction.z) / (0.5 * PI);
-    Vec2::new(azimuth - azimuth.floor(), theta).min(Vec2::splat(1.0 - f32::EPSILON))
 }
 
 #[cfg(test)]
@@ -484,6 +490,35 @@ mod tests {
         let large = light(with_sun(0.3, 0.2, 0.5).float("sun_aperture", 5.0));
         assert!((darkened / simple - 1.0).abs() < 2e-3, "{darkened} {simple}");
         assert!((large / simple - 1.0).abs() < 1e-4, "{large} {simple}");
+    }
+
+    /// With `stretch`, what lies at the angle θ from the zenith is what lay at θ / `stretch`; with
+    /// `extend`, the sky fades from the horizon to the nadir.
+    #[test]
+    fn a_stretched_sky_reaches_below_the_horizon() {
+        let at = |degrees: f32| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            Vec3::new(0.0, sin, cos)
+        };
+        let plain = with_sun(0.3, 0.2, 0.5).build_cleanly(build);
+        let wide = with_sun(0.3, 0.2, 0.5).float("stretch", 1.5).build_cleanly(build);
+        for degrees in [10.0, 50.0, 88.0] {
+            let expected = plain.radiance(at(degrees)).rgb();
+            assert_close(wide.radiance(at(1.5 * degrees)), expected, 1e-3, "stretched");
+        }
+        assert_eq!(wide.radiance(at(136.0)), Spectrum::ZERO, "1.5 times 90° is where it ends");
+        let sun = plain.dome.sun_direction;
+        let theta = sun.z.acos();
+        let lower = Vec3::new(0.3, 0.2, 0.0).normalize() * (1.5 * theta).sin()
+            + Vec3::Z * (1.5 * theta).cos();
+        assert!(wide.radiance(lower).luminance() > 1e4, "the sun moves along");
+
+        let extended =
+            with_sun(0.3, 0.2, 0.5).with("extend", Value::Boolean(true)).build_cleanly(build);
+        assert_eq!(extended.radiance(at(60.0)), plain.radiance(at(60.0)));
+        let horizon = plain.radiance(at(89.99)).rgb();
+        assert_close(extended.radiance(at(135.0)), horizon.map(|value| 0.5 * value), 2e-2, "faded");
+        assert!(extended.radiance(at(180.0)).luminance() < 1e-6);
     }
 
     #[test]

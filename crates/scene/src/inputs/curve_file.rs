@@ -1,4 +1,5 @@
-//! Curve files: one control point per line, `x y z radius`; an empty line starts a new curve.
+//! Curve files: one control point per line, `x y z radius`; an empty line starts a new curve. Version
+//! 0.6 writes `x y z` and gives one radius for all.
 
 use crate::builder::Assets;
 use crate::inputs::transform::read_transform;
@@ -24,8 +25,11 @@ pub(crate) fn read(
     points_per_segment: usize,
 ) -> Option<Curves> {
     let to_world = read_transform(parameters, "to_world");
+    let radius = parameters
+        .has("radius")
+        .then(|| parameters.float_in("radius", 0.0, 0.0..=f64::from(f32::MAX)) as f32);
     let (path, bytes) = assets.read_file(parameters, "filename")?;
-    match parse(&bytes, &to_world?, points_per_segment) {
+    match parse(&bytes, &to_world?, (points_per_segment, radius)) {
         Ok(curves) => Some(curves),
         Err(problem) => {
             let message = format!("{}: {problem}", path.display());
@@ -43,7 +47,7 @@ pub(crate) fn read(
 pub(crate) fn parse(
     bytes: &[u8],
     to_world: &Transform,
-    points_per_segment: usize,
+    (points_per_segment, radius): (usize, Option<f32>),
 ) -> Result<Curves, String> {
     let mut curves = Curves::default();
     let mut curve_start = 0;
@@ -53,7 +57,7 @@ pub(crate) fn parse(
             curves.end_curve(curve_start, points_per_segment, number)?;
             curve_start = curves.points.len();
         } else {
-            let point = control_point(line).ok_or_else(|| {
+            let point = control_point(line, radius).ok_or_else(|| {
                 format!("line {number} is no control point: it takes x, y, z and a radius ≥ 0")
             })?;
             let position = to_world.point(point.truncate());
@@ -76,12 +80,16 @@ pub(crate) fn parse(
     Ok(curves)
 }
 
-/// Parses the first four numbers of a line.
-fn control_point(line: &[u8]) -> Option<Vec4> {
+/// Parses the first four numbers of a line, or three if `radius` replaces a missing fourth.
+fn control_point(line: &[u8], radius: Option<f32>) -> Option<Vec4> {
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     let mut numbers = [0.0; 4];
-    for number in &mut numbers {
-        let parsed: f32 = std::str::from_utf8(words.next()?).ok()?.parse().ok()?;
+    for (index, number) in numbers.iter_mut().enumerate() {
+        let parsed: f32 = match (words.next(), radius) {
+            (Some(word), _) => std::str::from_utf8(word).ok()?.parse().ok()?,
+            (None, Some(radius)) if index == 3 => radius,
+            (None, _) => return None,
+        };
         *number = Some(parsed).filter(|parsed| parsed.is_finite())?;
     }
     (numbers[3] >= 0.0).then(|| Vec4::from_array(numbers))
@@ -138,11 +146,15 @@ mod tests {
     #[test]
     fn empty_lines_begin_curves() {
         let text = b"\n0 0 0 1\n1 0 0 .5 \r\n2 0 0 1e-1\n \n\n5 5 5 1\n6 6 6 2";
-        let curves = parse(text, &Transform::IDENTITY, 2).expect("the text is right");
+        let curves = parse(text, &Transform::IDENTITY, (2, None)).expect("the text is right");
         assert_eq!(curves.starts, [0, 1, 3]);
         assert_eq!(curves.point(2, 1), Vec4::new(6.0, 6.0, 6.0, 2.0));
+        let bare = parse(b"0 0 0\n1 0 0 2\n", &Transform::IDENTITY, (2, Some(0.5)));
+        let bare = bare.expect("the radius is given");
+        assert_eq!([bare.point(0, 0).w, bare.point(0, 1).w], [0.5, 2.0]);
         let moved = Transform::from_matrix(&glam::DMat4::from_scale(glam::DVec3::splat(2.0)));
-        let curves = parse(text, &moved.expect("it has an inverse"), 3).expect_err("too few");
+        let curves =
+            parse(text, &moved.expect("it has an inverse"), (3, None)).expect_err("too few");
         assert!(curves.contains("line 8 has 2 control points; it takes 3"), "{curves}");
     }
 
@@ -158,7 +170,7 @@ mod tests {
             ("\u{fe}\n", "line 1"),
             ("\n\n", "no control points"),
         ] {
-            let problem = parse(text.as_bytes(), &Transform::IDENTITY, 2).expect_err(text);
+            let problem = parse(text.as_bytes(), &Transform::IDENTITY, (2, None)).expect_err(text);
             assert!(problem.contains(line), "{text:?}: {problem}");
         }
     }

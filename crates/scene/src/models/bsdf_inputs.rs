@@ -5,10 +5,13 @@ use super::microfacet::{Distribution, Microfacets, NormalSampling};
 use crate::builder::Builder;
 use crate::ids::MaterialId;
 use crate::interaction::SurfaceInteraction;
+use crate::manual::PLUGINS_PAGE;
 use crate::texture::{ColorSource, ScalarSource, Textures};
-use etendue_document::{Class, Fault, Parameters, Value, list_names, near_names};
+use etendue_document::{Class, Diagnostic, Fault, Parameters, Value, list_some};
 use etendue_math::lanes::Real;
-use etendue_spectrum::{Spectrum, SpectrumLanes, SpectrumUse, metal, metal_names};
+use etendue_spectrum::{
+    Spectrum, SpectrumLanes, SpectrumUse, metal, metal_names, refractive_index,
+};
 use glam::Vec2;
 use std::ops::RangeInclusive;
 
@@ -32,9 +35,24 @@ pub(crate) fn reflectance(
     {
         let message =
             format!("`{name}` is above 1: the surface reflects more light than it receives");
-        parameters.warning(Fault::BadValue, name, message);
+        let found = Diagnostic::warning(Fault::BadValue, parameters.span_of(name), message);
+        parameters.diagnostics().push(match in_bytes(color) {
+            Some(hexadecimal) => found.help(format!(
+                "components go from 0 to 1, not to 255: as in pictures, this is `<srgb \
+                 value=\"{hexadecimal}\"/>`"
+            )),
+            None => found,
+        });
     }
     source
+}
+
+/// A colour whose components look as if they went from 0 to 255, in hexadecimal.
+fn in_bytes(color: Spectrum) -> Option<String> {
+    let is_byte = |value: f32| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
+    let bytes = color.rgb().into_iter().all(is_byte) && color.max_component() > 1.0;
+    let [r, g, b] = color.rgb().map(|value| value as u8);
+    bytes.then(|| format!("#{r:02x}{g:02x}{b:02x}"))
 }
 
 /// A scalar. A constant outside `bounds`, or NaN, is an error, and the default is returned. Texture
@@ -240,10 +258,13 @@ fn named_metal(parameters: &Parameters<'_>) -> [ColorSource; 2] {
     let mirror = [Spectrum::ZERO, Spectrum::ONE].map(ColorSource::Constant);
     let Some(name) = parameters.optional_string("material") else { return mirror };
     let Some(metal) = metal(name) else {
-        let near = near_names(name, metal_names());
-        let near = if near.is_empty() { metal_names().collect() } else { near };
-        let message = format!("there is no metal `{name}`; known are {}", list_names(near));
-        parameters.error(Fault::BadValue, "material", message);
+        let message = format!("there is no metal `{name}`");
+        let mut found = Diagnostic::error(Fault::BadValue, parameters.span_of("material"), message);
+        if refractive_index(name).is_some() {
+            found = found.help("it is a dielectric: write `<bsdf type=\"dielectric\">`");
+        }
+        let some = list_some(name, metal_names(), PLUGINS_PAGE);
+        parameters.diagnostics().push(found.help(format!("there are {some}")));
         return mirror;
     };
     [metal.eta_rgb(), metal.k_rgb()].map(|rgb| ColorSource::Constant(Spectrum::from_rgb(rgb)))

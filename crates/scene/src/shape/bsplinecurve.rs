@@ -20,6 +20,7 @@ pub const MANUAL: Manual = Manual {
               the file.",
     parameters: &[
         parameter("filename", "string", "", "The file."),
+        parameter("radius", "float", "", "The radius where the file gives `x y z` only."),
         parameter("to_world", "transform", "", "Placement of the control points; radii stay."),
     ],
     sample: r#"<shape type="bsplinecurve"><string name="filename" value="curves.txt"/></shape>"#,

@@ -20,6 +20,7 @@ pub const MANUAL: Manual = Manual {
               all segments of the file.",
     parameters: &[
         parameter("filename", "string", "", "The file."),
+        parameter("radius", "float", "", "The radius where the file gives `x y z` only."),
         parameter("to_world", "transform", "", "Placement of the control points; radii stay."),
     ],
     sample: r#"<shape type="linearcurve"><string name="filename" value="curves.txt"/></shape>"#,

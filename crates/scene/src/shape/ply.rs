@@ -3,8 +3,8 @@
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use crate::models::mesh::Mesh;
-use etendue_document::Parameters;
-use etendue_mesh::read_ply;
+use etendue_document::{Fault, Parameters};
+use etendue_mesh::{PlyMesh, read_ply};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -30,8 +30,12 @@ pub const MANUAL: Manual = Manual {
 #[must_use]
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
     let flip_texture_coordinates = parameters.boolean("flip_tex_coords", false);
-    assets.read_mesh(parameters, |_, bytes| {
-        let mut mesh = read_ply(bytes)?;
+    assets.read_mesh(parameters, |path, bytes| {
+        let PlyMesh { mut mesh, warnings } = read_ply(bytes)?;
+        for warning in warnings {
+            let message = format!("{}: {warning}", path.display());
+            parameters.warning(Fault::Geometry, "filename", message);
+        }
         if flip_texture_coordinates {
             mesh.uvs.iter_mut().for_each(|uv| uv.y = 1.0 - uv.y);
         }

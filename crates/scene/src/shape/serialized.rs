@@ -3,8 +3,8 @@
 use crate::builder::Assets;
 use crate::manual::{Manual, parameter};
 use crate::models::mesh::Mesh;
-use etendue_document::Parameters;
-use etendue_mesh::read_serialized;
+use etendue_document::{Fault, Parameters};
+use etendue_mesh::{has_shape_list, read_serialized};
 
 /// The manual page.
 pub const MANUAL: Manual = Manual {
@@ -30,5 +30,12 @@ pub const MANUAL: Manual = Manual {
 pub fn build(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Mesh> {
     // In range: validated when read.
     let shape_index = parameters.integer_in("shape_index", 0, 0..=i64::from(u32::MAX)) as u32;
-    assets.read_mesh(parameters, |_, bytes| read_serialized(bytes, shape_index))
+    assets.read_mesh(parameters, |path, bytes| {
+        if !has_shape_list(bytes)? {
+            let path = path.display();
+            let message = format!("{path}: the list of shapes is missing: only the first is known");
+            parameters.warning(Fault::Geometry, "filename", message);
+        }
+        read_serialized(bytes, shape_index)
+    })
 }

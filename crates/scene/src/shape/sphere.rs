@@ -58,15 +58,17 @@ pub fn build(_assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Sphere
         && linear.x_axis.dot(linear.y_axis).abs() < 1e-3 * scale * scale
         && linear.y_axis.dot(linear.z_axis).abs() < 1e-3 * scale * scale
         && linear.z_axis.dot(linear.x_axis).abs() < 1e-3 * scale * scale;
-    if !uniform {
-        parameters.error(
-            Fault::BadValue,
-            "to_world",
-            "a sphere cannot be sheared or scaled unequally",
-        );
-        return None;
-    }
-    let to_local = (linear * (1.0 / scale)).transpose();
+    let to_local = if uniform {
+        (linear * (1.0 / scale)).transpose()
+    } else {
+        let message = "a sphere stays round: it has the size along its x axis";
+        parameters.warning(Fault::Approximation, "to_world", message);
+        let x = linear.x_axis / scale;
+        let y = (linear.y_axis - x * x.dot(linear.y_axis)).try_normalize();
+        let y = y.unwrap_or_else(|| x.any_orthonormal_vector());
+        let z = x.cross(y) * 1.0_f64.copysign(linear.determinant());
+        DMat3::from_cols(x, y, z).transpose()
+    };
     Some(Sphere {
         center: matrix.transform_point3(center),
         radius: radius * scale,

@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use super::mitsuba06;
 use etendue::document::{Diagnostics, MemoryResources};
 use etendue::mitsuba::{LoadOptions, read_text};
 use etendue::scene::Manual;
@@ -77,9 +78,10 @@ pub(super) fn page() -> String {
          those that need Python objects. *Approximated* are plugins that another one stands in for, and \
          parameters that are read and change nothing, or that a stand-in does not know. The [plugin reference](plugins.md) says what each \
          of those that are here does.\n\n\
-         | | in Mitsuba | here | approximated | not here |\n|---|---|---|---|---|\n{}{}{tables}",
+         | | in Mitsuba | here | approximated | not here |\n|---|---|---|---|---|\n{}{}{tables}{}",
         plugins.row("plugins"),
         parameters.row("parameters"),
+        mitsuba06::section(),
     )
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use etendue::document::Class;
 use etendue::scene::Manual;
-use etendue::{integrators, scene};
+use etendue::{integrators, scene, spectrum};
 
 /// The path of the page.
 pub(super) const PATH: &str = "docs/plugins.md";
@@ -35,7 +35,23 @@ pub(super) fn page() -> String {
             write_plugin(&mut text, page);
         }
     }
-    text
+    text + &materials()
+}
+
+/// The names that `material`, `int_ior` and `ext_ior` take.
+fn materials() -> String {
+    let list = |names: &mut dyn Iterator<Item = &'static str>| {
+        names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    };
+    let metals = list(&mut spectrum::metal_names());
+    let dielectrics = list(&mut spectrum::refractive_index_names());
+    format!(
+        "\n## Names of materials\n\n\
+         Upper and lower case are the same.\n\n\
+         **Metals** (`material` of `conductor` and `roughconductor`), also by their English names, such as \
+         `gold`: {metals}.\n\n\
+         **Dielectrics** (`int_ior` and `ext_ior`): {dielectrics}.\n"
+    )
 }
 
 /// What all plugins of a class may hold in addition to what their pages list.
