@@ -19,9 +19,11 @@ const PARTICLE_RENDERS: usize = 8;
 /// Lower bound for the variance of a single sample, so that rounding to half floats in the stored
 /// references does not count where all samples are equal.
 const LEAST_VARIANCE: f64 = 1e-4;
-/// Mitsuba's criterion, a strict one for blocks, and five standard errors for the means.
+/// Mitsuba's criterion, a strict one for blocks, and five standard errors for the means. The criterion
+/// accepts 99.75 % of the pixels if their variances are exact; estimates from 5 × 5 pixels miss a few more
+/// where rare paths are bright.
 const LIMITS: Limits =
-    Limits { mean: f64::INFINITY, mean_errors: 5.0, blocks: 3.0, accepted: 99.75 };
+    Limits { mean: f64::INFINITY, mean_errors: 5.0, blocks: 3.0, accepted: 99.7 };
 
 /// Fast and slow trials for each scene and variant, and trials of the test harness itself.
 pub(crate) fn trials() -> Vec<Trial> {

@@ -210,6 +210,32 @@ fn sobol_points_are_nets_at_every_power_of_two() {
 }
 
 #[test]
+fn halves_are_two_sequences_that_know_nothing_of_each_other() {
+    for kind in [SamplerKind::Sobol, SamplerKind::LowDiscrepancy, SamplerKind::Hammersley] {
+        let spec = SamplerSpec::in_halves(kind, 128, 2);
+        assert_eq!(spec.rounded_sample_count(), 128);
+        let all = points(&spec, pixel(8), 2, 128);
+        let half =
+            |first: usize| -> Vec<Vec2> { all[first..].iter().step_by(2).copied().collect() };
+        for half in [half(0), half(1)] {
+            assert_even(&half, 8, 8, &format!("half of {kind:?}"));
+        }
+        let value = |place: u32, index: u32| {
+            let mut sampler = spec.start(pixel(place), index);
+            sampler.set_dimension(2);
+            sampler.next_1d()
+        };
+        for distance in [1, 3] {
+            let pairs = (0..20_000).map(|p| (value(p, p % 40), value(p, p % 40 + distance)));
+            let score = standardised_correlation(pairs);
+            assert!(score.abs() < 4.0, "{kind:?}: {score}");
+        }
+    }
+    let independent = SamplerKind::Independent;
+    assert_eq!(SamplerSpec::in_halves(independent, 9, 1), SamplerSpec::new(independent, 9, 1));
+}
+
+#[test]
 fn halton_pairs_fill_their_bases() {
     // 2³ · 3² boxes of the first two dimensions; 5 · 7 of the next two.
     let spec = SamplerSpec::new(SamplerKind::Halton, 1, 2);
