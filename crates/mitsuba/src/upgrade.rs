@@ -8,6 +8,7 @@ mod approximation;
 mod bsdf;
 mod emitter;
 mod entries;
+mod idle;
 mod integrator;
 mod layers;
 mod medium;
@@ -72,6 +73,7 @@ pub(crate) fn upgrade(
             }
             _ => {}
         }
+        idle::drop_idle(&mut nodes[index]);
     }
     approximations.report(sources, diagnostics);
 }
