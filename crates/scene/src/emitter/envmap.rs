@@ -75,8 +75,8 @@ struct Panorama {
     height: usize,
     /// RGB radiance, row by row from the top.
     texels: Vec<[f32; 3]>,
-    /// Over cells whose corners are four neighbouring texels.
-    distribution: Distribution2D,
+    /// Over cells whose corners are four neighbouring texels; `None` if all of them are black.
+    distribution: Option<Distribution2D>,
 }
 
 /// Reads the image and prepares its sampling.
@@ -99,19 +99,47 @@ fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Pano
     };
     let image = bitmap.to_color_image();
     let size = [image.width as usize, image.height as usize];
-    let texels = image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
+    let mut texels: Vec<[f32; 3]> =
+        image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
+    let source = if in_memory { "data" } else { "filename" };
+    if let Some(problem) = mend(&mut texels, image.width as usize) {
+        parameters.warning(Fault::BadValue, source, format!("{name}: {problem}"));
+    }
     let compensation = match parameters.boolean("mis_compensation", false) {
         true => Compensation::AboveMean,
         false => Compensation::None,
     };
     let picture = Panorama::new(size, texels, compensation);
     if picture.is_none() {
-        let message =
-            format!("{name}: the picture must hold finite values of zero or more, and some light");
-        let source = if in_memory { "data" } else { "filename" };
+        let message = format!("{name}: the picture is too bright for single precision");
         parameters.error(Fault::BadValue, source, message);
     }
     picture
+}
+
+/// What stands for an infinite texel: the greatest half float, because most infinities come from
+/// numbers beyond it.
+const BRIGHTEST: f32 = 65504.0;
+
+/// Replaces texels that are not finite or negative, and says which; `None` if there are none.
+fn mend(texels: &mut [[f32; 3]], width: usize) -> Option<String> {
+    let is_sound = |value: &f32| value.is_finite() && *value >= 0.0;
+    let mut broken = texels.iter().enumerate().filter(|(_, texel)| !texel.iter().all(is_sound));
+    let (first, texel) = broken.next()?;
+    let more = match broken.count() {
+        0 => String::new(),
+        count => format!(", and {count} others are broken too"),
+    };
+    let [red, green, blue] = texel;
+    let (x, y) = (first % width, first / width);
+    let problem = format!(
+        "texel {x}, {y} is {red}, {green}, {blue}{more}: NaN and negative values count as 0, \
+         infinity as {BRIGHTEST}"
+    );
+    for value in texels.iter_mut().flatten().filter(|value| !is_sound(value)) {
+        *value = if *value == f32::INFINITY { BRIGHTEST } else { 0.0 };
+    }
+    Some(problem)
 }
 
 /// The image of the file and the file's name; `None` after an error has been reported.
@@ -154,6 +182,10 @@ fn compensated(cells: &[(f32, f32)]) -> Vec<f32> {
 }
 
 impl Light for EnvironmentMap {
+    fn is_black(&self) -> bool {
+        self.picture.distribution.is_none()
+    }
+
     fn is_environment(&self) -> bool {
         true
     }
@@ -197,8 +229,8 @@ impl Panorama {
         texels: Vec<[f32; 3]>,
         compensation: Compensation,
     ) -> Option<Self> {
-        if texels.iter().flatten().any(|x| !x.is_finite() || *x < 0.0) {
-            return None;
+        if texels.iter().flatten().all(|value| *value == 0.0) {
+            return Some(Self { width, height, texels, distribution: None });
         }
         let luminance: Vec<f32> =
             texels.iter().map(|texel| Spectrum::from_rgb(*texel).luminance()).collect();
@@ -225,7 +257,7 @@ impl Panorama {
             Compensation::AboveMean => compensated(&cells),
         };
         let distribution = Distribution2D::new(&weights, (width as u32, rows as u32)).ok()?;
-        Some(Self { width, height, texels, distribution })
+        Some(Self { width, height, texels, distribution: Some(distribution) })
     }
 }
 
@@ -260,7 +292,7 @@ impl EnvironmentMap {
 
     /// Samples a direction of incoming light.
     fn sample(&self, random: Vec2) -> Option<DirectionSample> {
-        let (cell, density) = self.picture.distribution.sample(random);
+        let (cell, density) = self.picture.distribution.as_ref()?.sample(random);
         let (sin_azimuth, cos_azimuth) =
             ((cell.x + 0.5 / self.picture.width as f32) * TAU).sin_cos();
         let (sin_theta, cos_theta) = (cell.y * PI).sin_cos();
@@ -280,10 +312,12 @@ impl EnvironmentMap {
     fn pdf(&self, direction: Vec3) -> f32 {
         let cell = self.cell_coordinates(direction);
         let sin_theta = (cell.y * PI).sin();
-        if sin_theta <= 0.0 {
-            return 0.0;
+        match &self.picture.distribution {
+            Some(distribution) if sin_theta > 0.0 => {
+                distribution.pdf(cell) / (2.0 * PI * PI * sin_theta)
+            }
+            _ => 0.0,
         }
-        self.picture.distribution.pdf(cell) / (2.0 * PI * PI * sin_theta)
     }
 }
 
@@ -333,11 +367,31 @@ mod tests {
     }
 
     #[test]
-    fn dark_and_broken_pictures_are_refused() {
-        for value in [0.0, f32::NAN, -1.0, f32::INFINITY] {
-            let texels = vec![[value; 3]; 4];
-            assert!(Panorama::new([2, 2], texels, Compensation::None).is_none());
+    fn broken_texels_are_replaced_and_named() {
+        let mut texels = vec![[0.5; 3]; 6];
+        assert_eq!(mend(&mut texels, 3), None);
+        texels[4] = [f32::INFINITY, f32::NAN, -1.0];
+        texels[5][0] = f32::NEG_INFINITY;
+        let problem = mend(&mut texels, 3).expect("a problem");
+        assert!(problem.contains("texel 1, 1 is inf, NaN, -1, and 1 others"), "{problem}");
+        assert_eq!(texels[3..], [[0.5; 3], [BRIGHTEST, 0.0, 0.0], [0.0, 0.5, 0.5]]);
+    }
+
+    #[test]
+    fn a_black_picture_is_never_sampled() {
+        for compensation in [Compensation::None, Compensation::AboveMean] {
+            let picture =
+                Panorama::new([2, 2], vec![[0.0; 3]; 4], compensation).expect("a picture");
+            let map = EnvironmentMap { to_world: Transform::IDENTITY, picture: Arc::new(picture) };
+            assert!(map.is_black() && map.sample(Vec2::splat(0.5)).is_none());
+            assert_eq!((map.pdf(Vec3::X), map.radiance(Vec3::X)), (0.0, Spectrum::ZERO));
         }
+    }
+
+    #[test]
+    fn pictures_beyond_single_precision_are_refused() {
+        let texels = vec![[f32::MAX; 3]; 4];
+        assert!(Panorama::new([2, 2], texels, Compensation::None).is_none());
     }
 
     #[test]
