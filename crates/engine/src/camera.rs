@@ -1,6 +1,6 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
-use etendue_integrators::{CameraRay, Integrator, Radiance, Splat, SplatTarget, Start};
+use etendue_integrators::{CameraRay, Integrator, Radiance, Splat, SplatTarget, Start, Watch};
 use etendue_math::with_lanes;
 use etendue_sampling::{Sampler, SamplerSpec, draw_points};
 use etendue_scene::{Scene, SensorSetup};
@@ -68,7 +68,8 @@ impl Camera {
         &self.scene
     }
 
-    pub(crate) fn integrator(&self) -> &dyn Integrator {
+    /// How light is computed.
+    pub fn integrator(&self) -> &dyn Integrator {
         &*self.integrator
     }
 
@@ -88,7 +89,8 @@ impl Camera {
         let mut channels = vec![0.0; self.integrator.channels().len()];
         let (mut rays, responses) = self.start(&[id]);
         let CameraRay { start, sampler } = &mut rays[0];
-        let radiance = self.integrator.sample(&self.scene, start, sampler, &mut channels);
+        let watch = Watch::patient();
+        let radiance = self.integrator.sample(&self.scene, start, sampler, &mut channels, &watch);
         Replay { id, sample: responses[0].to(&radiance), channels }
     }
 }
@@ -98,11 +100,17 @@ impl SampleSource for Camera {
         self.integrator.channels()
     }
 
-    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+    fn take_samples(
+        &self,
+        ids: &[SampleId],
+        channels: &mut [f32],
+        watch: &Watch<'_>,
+        samples: &mut Vec<Sample>,
+    ) {
         channels.fill(0.0);
         let (mut rays, responses) = self.start(ids);
         let mut radiance = Vec::with_capacity(ids.len());
-        self.integrator.sample_batch(&self.scene, &mut rays, channels, &mut radiance);
+        self.integrator.sample_batch(&self.scene, &mut rays, channels, watch, &mut radiance);
         samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
     }
 
@@ -112,7 +120,7 @@ impl SampleSource for Camera {
 }
 
 impl SplatSource for Camera {
-    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>) {
+    fn trace_splats(&self, id: SampleId, watch: &Watch<'_>, sink: &mut PixelSplatSink<'_>) {
         let Some(particles) = self.integrator.particles() else { return };
         let film = &self.setup.film;
         let size = UVec2::new(film.width, film.height);
@@ -133,7 +141,7 @@ impl SplatSource for Camera {
         };
         let margin = film.filter.radius() * self.pixel_size;
         let target = SplatTarget { sensor: &self.setup.sensor, margin };
-        particles.trace_particle(&self.scene, &mut sampler, &target, &mut filtered_sink);
+        particles.trace_particle(&self.scene, &mut sampler, &target, &mut filtered_sink, watch);
     }
 }
 

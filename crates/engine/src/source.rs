@@ -1,5 +1,6 @@
 //! The seam between the driver and whatever it renders: samples by name.
 
+use etendue_integrators::Watch;
 use etendue_spectrum::Spectrum;
 
 use crate::splats::PixelSplat;
@@ -15,6 +16,8 @@ use crate::splats::PixelSplat;
 /// # Contract
 /// - A sample is a pure function of its id: whatever was asked before, and however ids are divided
 ///   into batches, it has the same bits.
+/// - Samples that take long ask the [`Watch`] whether they are still wanted. If it abandons them, they
+///   are meaningless, and the caller discards the whole batch.
 pub trait SampleSource: Sync {
     /// The names of the channels beside colour and alpha, such as `albedo.R`.
     fn channels(&self) -> &[String];
@@ -23,7 +26,13 @@ pub trait SampleSource: Sync {
     ///
     /// `channels` has a value for each of [`Self::channels`] of each sample, sample after sample. They
     /// come with any content, and each is overwritten.
-    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>);
+    fn take_samples(
+        &self,
+        ids: &[SampleId],
+        channels: &mut [f32],
+        watch: &Watch<'_>,
+        samples: &mut Vec<Sample>,
+    );
 
     /// The splats that belong to the samples, if there are any.
     fn splats(&self) -> Option<&dyn SplatSource> {
@@ -37,8 +46,8 @@ pub trait SampleSource: Sync {
 /// - The splats of a sample are a pure function of its id.
 /// - The mean of the splats over all samples of the film is added to the picture.
 pub trait SplatSource: Sync {
-    /// Gives the splats of one sample to `sink`.
-    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>);
+    /// Gives the splats of one sample to `sink`. If the watch abandons them, they must be discarded.
+    fn trace_splats(&self, id: SampleId, watch: &Watch<'_>, sink: &mut PixelSplatSink<'_>);
 }
 
 /// Takes the splats of a sample.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use etendue_engine::{
     Budget, Cancel, Channels, EngineError, FilmFile, FilmFileError, FilmRecord, FilmSums, Host,
     Job, PixelSplat, PixelSplatSink, Region, Sample, SampleId, SampleSource, SamplesPerPixel,
-    Silent, SplatSource, Workers, render_into,
+    Silent, SplatSource, Watch, Workers, render_into,
 };
 use etendue_image::Picture;
 use etendue_spectrum::Spectrum;
@@ -32,7 +32,13 @@ impl SampleSource for Noise {
         &self.channels
     }
 
-    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+    fn take_samples(
+        &self,
+        ids: &[SampleId],
+        channels: &mut [f32],
+        _: &Watch<'_>,
+        samples: &mut Vec<Sample>,
+    ) {
         for (id, channel) in ids.iter().zip(channels) {
             samples.push(self.sample(*id, channel));
         }
@@ -44,7 +50,7 @@ impl SampleSource for Noise {
 }
 
 impl SplatSource for Noise {
-    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>) {
+    fn trace_splats(&self, id: SampleId, _: &Watch<'_>, sink: &mut PixelSplatSink<'_>) {
         let sample = self.sample(id, &mut 0.0);
         let mixed = (id.x * 7919 + id.y * 104_729 + id.index * 31).wrapping_mul(0x9e37_79b9) >> 8;
         let color =
