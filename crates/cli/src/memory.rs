@@ -1,4 +1,4 @@
-//! Available memory.
+//! Available and used memory.
 
 use std::fs::read_to_string;
 
@@ -16,6 +16,11 @@ pub(crate) fn available() -> Option<u64> {
         Some(limit.saturating_sub(bytes(&read("/sys/fs/cgroup/memory.current")?)?))
     };
     [physical, address_space, container()].into_iter().flatten().min()
+}
+
+/// The most bytes that this process has occupied so far; `None` if the system does not report it.
+pub(crate) fn peak() -> Option<u64> {
+    kilobytes(&read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
 /// The value of a line such as `MemAvailable: 123 kB` in Linux's `/proc/meminfo`, in bytes.

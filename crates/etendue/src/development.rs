@@ -3,8 +3,8 @@
 //! These settings are stored in checkpoints and parts, so that parts can be merged without the
 //! scene.
 
+use etendue_engine::Camera;
 use etendue_image::{ExrPrecision, MetadataValue, ToneMap};
-use etendue_scene::SensorSetup;
 use etendue_scene::film::PixelFormat;
 
 /// What is needed to develop sums into a picture.
@@ -20,6 +20,8 @@ pub(crate) struct Development {
     /// In hexadecimal.
     pub(crate) scene_hash: String,
     pub(crate) seed: u64,
+    /// The limit of indirect light; infinite if there is none.
+    pub(crate) clamp_indirect: f32,
     pub(crate) world_to_camera: [f32; 16],
     pub(crate) world_to_ndc: [f32; 16],
 }
@@ -47,9 +49,10 @@ const TONE_MAPS: [Named<ToneMap>; 4] = [
 ];
 
 impl Development {
-    pub(crate) fn new(setup: &SensorSetup, scene_hash: &[u8; 32], seed: u64) -> Self {
+    pub(crate) fn new(camera: &Camera, scene_hash: &[u8; 32]) -> Self {
+        let setup = camera.setup();
         let film = &setup.film;
-        let camera = setup.sensor.camera_matrices();
+        let matrices = setup.sensor.camera_matrices();
         // OpenEXR matrices act on row vectors, so they are the transposes of glam's; writing them
         // column by column gives the right order.
         Self {
@@ -59,9 +62,10 @@ impl Development {
             exposure: film.display.exposure,
             film: [film.width, film.height],
             scene_hash: hexadecimal(scene_hash),
-            seed,
-            world_to_camera: camera.world_to_camera.to_cols_array(),
-            world_to_ndc: camera.world_to_ndc.to_cols_array(),
+            seed: camera.sampler().seed(),
+            clamp_indirect: camera.integrator().clamp_indirect().unwrap_or(f32::INFINITY),
+            world_to_camera: matrices.world_to_camera.to_cols_array(),
+            world_to_ndc: matrices.world_to_ndc.to_cols_array(),
         }
     }
 
@@ -76,6 +80,7 @@ impl Development {
             ("film", format!("{width} {height}")),
             ("scene", self.scene_hash.clone()),
             ("seed", self.seed.to_string()),
+            ("clamp indirect", self.clamp_indirect.to_string()),
             ("world to camera", numbers(&self.world_to_camera)),
             ("world to NDC", numbers(&self.world_to_ndc)),
         ];
@@ -95,6 +100,7 @@ impl Development {
             film: parse(note("film")?)?,
             scene_hash: note("scene")?.to_owned(),
             seed: note("seed")?.parse().ok()?,
+            clamp_indirect: note("clamp indirect")?.parse().ok()?,
             world_to_camera: parse(note("world to camera")?)?,
             world_to_ndc: parse(note("world to NDC")?)?,
         })
@@ -118,7 +124,13 @@ impl Development {
             ("worldToCamera", MetadataValue::Matrix4(self.world_to_camera)),
             ("worldToNDC", MetadataValue::Matrix4(self.world_to_ndc)),
         ];
-        entries.map(|(name, value)| (name.to_owned(), value)).into()
+        let limit = Some(self.clamp_indirect).filter(|limit| limit.is_finite());
+        let clamp_indirect = limit.map(|limit| ("clampIndirect", MetadataValue::Float(limit)));
+        entries
+            .into_iter()
+            .chain(clamp_indirect)
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect()
     }
 }
 
@@ -159,6 +171,7 @@ mod tests {
             film: [640, 360],
             scene_hash: hexadecimal(&[0xab; 32]),
             seed: u64::MAX,
+            clamp_indirect: 0.1,
             world_to_camera: std::array::from_fn(|i| 1.0 / (i as f32 + 3.0)),
             world_to_ndc: std::array::from_fn(|i| f32::MIN_POSITIVE * i as f32),
         }

@@ -183,7 +183,7 @@ impl RenderJob {
 
     fn development(&self) -> Development {
         let hash = self.scene.scene.content_hash();
-        Development::new(self.setup(), &hash, self.camera.sampler().seed())
+        Development::new(&self.camera, &hash)
     }
 
     /// A film without samples.

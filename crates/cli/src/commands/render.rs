@@ -217,6 +217,7 @@ impl Host<'_> {
         let write_started = Instant::now();
         let (status, rendering) = self.write(run, &writer, statistics);
         replay::report(&rendering.statistics.defects);
+        report::long_paths(&rendering.statistics);
         if !arguments.scene.quiet {
             report::written(&rendering, run.outputs);
         }
