@@ -1,4 +1,4 @@
-//! Available memory.
+//! Available and used memory.
 
 use std::fs::read_to_string;
 
@@ -30,6 +30,11 @@ pub(crate) fn for_scene() -> Option<u64> {
 fn control_group(groups: &str) -> Option<String> {
     let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;
     Some(format!("/sys/fs/cgroup{}", path.trim_end_matches('/')))
+}
+
+/// The most bytes that this process has occupied so far; `None` if the system does not report it.
+pub(crate) fn peak() -> Option<u64> {
+    kilobytes(&read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
 /// The value of a line such as `MemAvailable: 123 kB` in Linux's `/proc/meminfo`, in bytes.

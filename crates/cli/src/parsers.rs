@@ -135,6 +135,13 @@ pub(crate) fn interval(text: &str) -> Result<Duration, String> {
     if interval.is_zero() { Err("expected a time above zero".to_owned()) } else { Ok(interval) }
 }
 
+/// A finite radiance above zero.
+pub(crate) fn radiance(text: &str) -> Result<f32, String> {
+    let radiance =
+        text.parse().ok().filter(|radiance: &f32| radiance.is_finite() && *radiance > 0.0);
+    radiance.ok_or_else(|| "expected a number above zero".to_owned())
+}
+
 /// `A..B`: sample indices from A to B - 1; or `I/N`: part I of N, counted from 1.
 pub(crate) fn samples(text: &str) -> Result<SampleChoice, String> {
     let numbers = |separator: &str| {

@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
+use etendue::integrators::{MAX_COLLISIONS, MAX_EDGES};
 use etendue::scene::Scene;
 use etendue::{LoadTimes, RenderJob, Rendering, SamplesPerPixel, Statistics};
 
 use crate::outputs::Outputs;
-use crate::{terminal, text};
+use crate::{memory, terminal, text};
 
 /// Prints `a.exr, a.png: 256x256, 64 samples per pixel in 1.20 s (3.41 Msamples/s)`.
 pub(crate) fn written(rendering: &Rendering, outputs: &Outputs) {
@@ -40,6 +41,25 @@ pub(crate) fn clamped(rendering: &Rendering) {
     }
 }
 
+/// Warns about paths that were cut, and about pixels that have no sample because the time ran out in
+/// the middle of a long path.
+pub(crate) fn long_paths(statistics: &Statistics) {
+    if statistics.truncated_paths > 0 {
+        let paths = usize::try_from(statistics.truncated_paths).unwrap_or(usize::MAX);
+        terminal::warning(&format!(
+            "{} cut after {} edges or {} collisions in media: light beyond is missing",
+            text::counted(paths, "path"),
+            text::grouped(MAX_EDGES as usize),
+            text::grouped(MAX_COLLISIONS as usize),
+        ));
+    }
+    if statistics.samples_per_pixel.least == 0 && !statistics.cancelled {
+        terminal::warning(
+            "some pixels have no sample: the time ran out in the middle of long paths",
+        );
+    }
+}
+
 /// Prints how long each stage took.
 pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration) {
     let milliseconds = |duration: Duration| format!("{:.1} ms", duration.as_secs_f64() * 1e3);
@@ -54,7 +74,8 @@ pub(crate) fn times(load: &LoadTimes, statistics: &Statistics, writing: Duration
     ));
 }
 
-/// Prints the memory that the render needs, before it starts: `memory: 1.2 GB scene, 158 MB film`.
+/// Prints the memory that the render needs, before it starts, and the most that loading took:
+/// `memory: 1.2 GB scene, 158 MB film; loading took 2.1 GB`.
 pub(crate) fn memory(scene: &Scene, job: &RenderJob) {
     let statistics = scene.statistics();
     let scene = statistics.mesh_bytes
@@ -62,8 +83,11 @@ pub(crate) fn memory(scene: &Scene, job: &RenderJob) {
         + statistics.texture_bytes
         + statistics.volume_bytes;
     let film = usize::try_from(job.memory_needed()).unwrap_or(usize::MAX);
+    let loading = memory::peak().and_then(|peak| usize::try_from(peak).ok());
+    let loading =
+        loading.map(|peak| format!("; loading took {}", text::bytes(peak))).unwrap_or_default();
     terminal::message_line(&format!(
-        "memory: {} scene, {} film",
+        "memory: {} scene, {} film{loading}",
         text::bytes(scene),
         text::bytes(film)
     ));

@@ -1,7 +1,7 @@
 //! The source of samples that a scene is: film, sensor, random numbers, integrator.
 
 use etendue_integrators::{
-    CameraRay, ChannelKind, Integrator, Radiance, Splat, SplatTarget, Start,
+    CameraRay, ChannelKind, Integrator, Radiance, Splat, SplatTarget, Start, Watch,
 };
 use etendue_math::with_lanes;
 use etendue_sampling::{Sampler, SamplerSpec, draw_points};
@@ -70,7 +70,8 @@ impl Camera {
         &self.scene
     }
 
-    pub(crate) fn integrator(&self) -> &dyn Integrator {
+    /// How light is computed.
+    pub fn integrator(&self) -> &dyn Integrator {
         &*self.integrator
     }
 
@@ -90,7 +91,8 @@ impl Camera {
         let mut channels = vec![0.0; self.integrator.channels().len()];
         let (mut rays, responses) = self.start(&[id]);
         let CameraRay { start, sampler } = &mut rays[0];
-        let radiance = self.integrator.sample(&self.scene, start, sampler, &mut channels);
+        let watch = Watch::patient();
+        let radiance = self.integrator.sample(&self.scene, start, sampler, &mut channels, &watch);
         Replay { id, sample: responses[0].to(&radiance), channels }
     }
 }
@@ -108,11 +110,17 @@ impl SampleSource for Camera {
         self.scene.is_out_of_gamut()
     }
 
-    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+    fn take_samples(
+        &self,
+        ids: &[SampleId],
+        channels: &mut [f32],
+        watch: &Watch<'_>,
+        samples: &mut Vec<Sample>,
+    ) {
         channels.fill(0.0);
         let (mut rays, responses) = self.start(ids);
         let mut radiance = Vec::with_capacity(ids.len());
-        self.integrator.sample_batch(&self.scene, &mut rays, channels, &mut radiance);
+        self.integrator.sample_batch(&self.scene, &mut rays, channels, watch, &mut radiance);
         samples.extend(responses.iter().zip(&radiance).map(|(response, light)| response.to(light)));
     }
 
@@ -122,7 +130,7 @@ impl SampleSource for Camera {
 }
 
 impl SplatSource for Camera {
-    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>) {
+    fn trace_splats(&self, id: SampleId, watch: &Watch<'_>, sink: &mut PixelSplatSink<'_>) {
         let Some(particles) = self.integrator.particles() else { return };
         let film = &self.setup.film;
         let size = UVec2::new(film.width, film.height);
@@ -143,7 +151,7 @@ impl SplatSource for Camera {
         };
         let margin = film.filter.radius() * self.pixel_size;
         let target = SplatTarget { sensor: &self.setup.sensor, margin };
-        particles.trace_particle(&self.scene, &mut sampler, &target, &mut filtered_sink);
+        particles.trace_particle(&self.scene, &mut sampler, &target, &mut filtered_sink, watch);
     }
 }
 

@@ -21,6 +21,8 @@ pub(crate) struct Clock<'a> {
     samples_total: Option<u64>,
     samples_before: u64,
     samples_done: AtomicU64,
+    /// Paths of these samples that reached a limit of their length.
+    truncated_paths: AtomicU64,
     /// Nanoseconds after the start at which the next report is due.
     next_report: AtomicU64,
     /// Held during a report, so that the observer hears one at a time.
@@ -45,6 +47,7 @@ impl<'a> Clock<'a> {
             samples_total: per_pixel.map(|count| count.saturating_mul(film.region().pixel_count())),
             samples_before,
             samples_done: AtomicU64::new(samples_before),
+            truncated_paths: AtomicU64::new(0),
             next_report: AtomicU64::new(nanoseconds(REPORT_INTERVAL)),
             reporting: Mutex::new(()),
         }
@@ -87,12 +90,26 @@ impl<'a> Clock<'a> {
         }
     }
 
+    /// The paths that reached a limit of their length.
+    pub(crate) fn truncated_paths(&self) -> u64 {
+        self.truncated_paths.load(Ordering::Relaxed)
+    }
+
     /// Reports the end, and returns what it reported.
     pub(crate) fn finish(&self) -> Progress {
         let progress = self.progress();
         self.observer.progress(&progress);
         progress
     }
+}
+
+/// What a thread did to a tile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FinishedTile {
+    /// The samples that it took; none if the tile was abandoned.
+    pub(crate) samples: u64,
+    /// The paths of these samples that reached a limit of their length.
+    pub(crate) truncated_paths: u64,
 }
 
 /// The clock of one pass.
@@ -117,9 +134,16 @@ impl PassClock<'_> {
         in_time && !self.clock.cancel.is_cancelled()
     }
 
+    /// Whether a batch of samples that takes long may go on. Unlike the first pass as a whole, it may
+    /// not exceed the time.
+    pub(crate) fn is_over(&self) -> bool {
+        !self.clock.may_go_on()
+    }
+
     /// Counts the samples of a finished tile, and reports if a report is due.
-    pub(crate) fn count(&self, samples: u64) {
-        self.clock.count(samples);
+    pub(crate) fn count(&self, tile: FinishedTile) {
+        self.clock.truncated_paths.fetch_add(tile.truncated_paths, Ordering::Relaxed);
+        self.clock.count(tile.samples);
     }
 }
 

@@ -29,7 +29,8 @@ pub struct Budget {
     /// Every pixel gets the samples with an index below this number; `None` for as many as the time
     /// allows.
     pub samples_per_pixel: Option<u32>,
-    /// Wall time from the first ray. Every pixel gets one sample even if that takes longer.
+    /// Wall time from the first ray. Every pixel gets one sample even if that takes longer, unless
+    /// the path of that sample is extremely long.
     pub time: Option<Duration>,
 }
 

@@ -38,7 +38,7 @@ mod workers;
 
 pub use camera::{Camera, Replay};
 pub use error::EngineError;
-pub use etendue_integrators::ChannelKind;
+pub use etendue_integrators::{ChannelKind, Watch};
 pub use exact_sums::ExactSums;
 pub use film_file::{FilmFile, FilmFileError, FilmRecord};
 pub use film_sums::{Channels, FilmSums};

@@ -76,5 +76,6 @@ pub fn render_into<S: SampleSource>(
         duration: progress.elapsed,
         cancelled: host.cancel.is_cancelled() && !is_complete,
         defects: film.defects(),
+        truncated_paths: clock.truncated_paths(),
     })
 }

@@ -1,6 +1,6 @@
 //! The seam between the driver and whatever it renders: samples by name.
 
-use etendue_integrators::ChannelKind;
+use etendue_integrators::{ChannelKind, Watch};
 use etendue_spectrum::Spectrum;
 
 use crate::splats::PixelSplat;
@@ -16,6 +16,8 @@ use crate::splats::PixelSplat;
 /// # Contract
 /// - A sample is a pure function of its id: whatever was asked before, and however ids are divided
 ///   into batches, it has the same bits.
+/// - Samples that take long ask the [`Watch`] whether they are still wanted. If it abandons them, they
+///   are meaningless, and the caller discards the whole batch.
 pub trait SampleSource: Sync {
     /// The names of the channels beside colour and alpha, such as `albedo.R`.
     fn channels(&self) -> &[String];
@@ -29,7 +31,13 @@ pub trait SampleSource: Sync {
     ///
     /// `channels` has a value for each of [`Self::channels`] of each sample, sample after sample. They
     /// come with any content, and each is overwritten.
-    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>);
+    fn take_samples(
+        &self,
+        ids: &[SampleId],
+        channels: &mut [f32],
+        watch: &Watch<'_>,
+        samples: &mut Vec<Sample>,
+    );
 
     /// Whether light may be negative in some channel. Otherwise such samples are defects.
     fn is_out_of_gamut(&self) -> bool {
@@ -48,8 +56,8 @@ pub trait SampleSource: Sync {
 /// - The splats of a sample are a pure function of its id.
 /// - The mean of the splats over all samples of the film is added to the picture.
 pub trait SplatSource: Sync {
-    /// Gives the splats of one sample to `sink`.
-    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>);
+    /// Gives the splats of one sample to `sink`. If the watch abandons them, they must be discarded.
+    fn trace_splats(&self, id: SampleId, watch: &Watch<'_>, sink: &mut PixelSplatSink<'_>);
 }
 
 /// Takes the splats of a sample.

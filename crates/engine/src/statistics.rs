@@ -87,6 +87,10 @@ pub struct Statistics {
     pub cancelled: bool,
     /// The samples that were left out.
     pub defects: Defects,
+    /// The paths that ended because they reached a limit of their length
+    /// ([`MAX_EDGES`](etendue_integrators::MAX_EDGES),
+    /// [`MAX_COLLISIONS`](etendue_integrators::MAX_COLLISIONS)); further light is missing.
+    pub truncated_paths: u64,
 }
 
 /// How many samples the pixels of a film have.

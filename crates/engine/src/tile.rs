@@ -18,7 +18,7 @@ pub(crate) const COLOR_CHANNELS: usize = 4;
 pub(crate) const VARIANCE_CHANNELS: usize = 3;
 
 /// The sums of one rectangle of pixels, row by row.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Tile {
     pub(crate) region: Region,
     /// How the extra channels are combined.

@@ -2,8 +2,8 @@
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_engine::{
-    Budget, Camera, Cancel, Channels, Host, Job, Region, SampleId, SampleSource, Silent, Workers,
-    render,
+    Budget, Camera, Cancel, Channels, Host, Job, Region, SampleId, SampleSource, Silent, Watch,
+    Workers, render,
 };
 use etendue_integrators::{Integrator, IntegratorOptions, build_integrator};
 use etendue_mitsuba::{LoadOptions, read_text};
@@ -103,7 +103,7 @@ fn what_a_channel_held_before_does_not_matter() {
         let id = SampleId { index: 5, y: 2, x: 1 };
         let mut channels = vec![f32::NAN; camera.channels().len()];
         let mut samples = Vec::new();
-        camera.take_samples(&[id], &mut channels, &mut samples);
+        camera.take_samples(&[id], &mut channels, &Watch::patient(), &mut samples);
         let replay = camera.replay(id);
         assert_eq!((samples, channels), (vec![replay.sample], replay.channels));
     });

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use etendue_engine::{
     Budget, Cancel, ChannelKind, Channels, EngineError, FilmFile, FilmFileError, FilmRecord,
     FilmSums, Host, Job, PixelSplat, PixelSplatSink, Region, Sample, SampleId, SampleSource,
-    SamplesPerPixel, Silent, SplatSource, Workers, render_into,
+    SamplesPerPixel, Silent, SplatSource, Watch, Workers, render_into,
 };
 use etendue_image::Picture;
 use etendue_spectrum::Spectrum;
@@ -36,7 +36,13 @@ impl SampleSource for Noise {
         &self.channels
     }
 
-    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+    fn take_samples(
+        &self,
+        ids: &[SampleId],
+        channels: &mut [f32],
+        _: &Watch<'_>,
+        samples: &mut Vec<Sample>,
+    ) {
         for (id, channels) in ids.iter().zip(channels.chunks_exact_mut(2)) {
             let [channel, identifier] = channels else { unreachable!("chunks of two") };
             *identifier = (id.index % 7) as f32;
@@ -54,7 +60,7 @@ impl SampleSource for Noise {
 }
 
 impl SplatSource for Noise {
-    fn trace_splats(&self, id: SampleId, sink: &mut PixelSplatSink<'_>) {
+    fn trace_splats(&self, id: SampleId, _: &Watch<'_>, sink: &mut PixelSplatSink<'_>) {
         let sample = self.sample(id, &mut 0.0);
         let mixed = (id.x * 7919 + id.y * 104_729 + id.index * 31).wrapping_mul(0x9e37_79b9) >> 8;
         let color =

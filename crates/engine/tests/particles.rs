@@ -8,7 +8,7 @@ use etendue_engine::{
 };
 use etendue_integrators::{
     Integrator, IntegratorOptions, ParticleIntegrator, Radiance, Splat, SplatSink, SplatTarget,
-    Start, build_integrator,
+    Start, Watch, build_integrator,
 };
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::{Sampler, SamplerSpec};
@@ -167,9 +167,10 @@ impl Integrator for Joined {
         start: &Start,
         sampler: &mut Sampler,
         channels: &mut [f32],
+        watch: &Watch<'_>,
     ) -> Radiance {
-        let path = self.paths.sample(scene, start, &mut { *sampler }, channels);
-        let seen = self.particles.sample(scene, start, sampler, channels);
+        let path = self.paths.sample(scene, start, &mut { *sampler }, channels, watch);
+        let seen = self.particles.sample(scene, start, sampler, channels, watch);
         let color = path.color * PATH_SHARE + seen.color * (1.0 - PATH_SHARE);
         Radiance { color, ..path }
     }
@@ -186,11 +187,12 @@ impl ParticleIntegrator for Joined {
         sampler: &mut Sampler,
         target: &SplatTarget<'_>,
         sink: &mut SplatSink<'_>,
+        watch: &Watch<'_>,
     ) {
         let mut weighted_sink =
             |splat: Splat| sink(Splat { color: splat.color * (1.0 - PATH_SHARE), ..splat });
         let particles = self.particles.particles().unwrap();
-        particles.trace_particle(scene, sampler, target, &mut weighted_sink);
+        particles.trace_particle(scene, sampler, target, &mut weighted_sink, watch);
     }
 }
 
@@ -216,7 +218,14 @@ struct Recorder {
 }
 
 impl Integrator for Recorder {
-    fn sample(&self, _: &Scene, _: &Start, sampler: &mut Sampler, _: &mut [f32]) -> Radiance {
+    fn sample(
+        &self,
+        _: &Scene,
+        _: &Start,
+        sampler: &mut Sampler,
+        _: &mut [f32],
+        _: &Watch<'_>,
+    ) -> Radiance {
         self.camera_samples.lock().unwrap().push(*sampler);
         Radiance::NONE
     }
@@ -233,6 +242,7 @@ impl ParticleIntegrator for Recorder {
         sampler: &mut Sampler,
         _: &SplatTarget<'_>,
         _: &mut SplatSink<'_>,
+        _: &Watch<'_>,
     ) {
         self.particles.lock().unwrap().push(*sampler);
     }

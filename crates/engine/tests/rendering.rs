@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use etendue_engine::{
     Budget, Cancel, Channels, Defect, DefectiveSample, EngineError, FilmSums, FinishedPass, Host,
     Job, Observer, Progress, Region, Sample, SampleId, SampleSource, SamplesPerPixel, Silent,
-    Statistics, Workers, render_into,
+    Statistics, Watch, Workers, render_into,
 };
 use etendue_sampling::hash::mix64;
 use etendue_spectrum::Spectrum;
@@ -23,7 +23,13 @@ impl<F: Fn(SampleId) -> Sample + Sync> SampleSource for Formula<F> {
         &self.channels
     }
 
-    fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+    fn take_samples(
+        &self,
+        ids: &[SampleId],
+        channels: &mut [f32],
+        _: &Watch<'_>,
+        samples: &mut Vec<Sample>,
+    ) {
         for (id, row) in ids.iter().zip(channels) {
             *row = id.y as f32;
             samples.push((self.sample)(*id));
@@ -167,7 +173,13 @@ fn a_channel_that_is_not_finite_is_a_defect_and_a_negative_one_is_none() {
         fn channels(&self) -> &[String] {
             const { &[String::new()] }
         }
-        fn take_samples(&self, ids: &[SampleId], channels: &mut [f32], samples: &mut Vec<Sample>) {
+        fn take_samples(
+            &self,
+            ids: &[SampleId],
+            channels: &mut [f32],
+            _: &Watch<'_>,
+            samples: &mut Vec<Sample>,
+        ) {
             for (id, channel) in ids.iter().zip(channels) {
                 *channel = if id.index == 0 { f32::NAN } else { -4.0 };
                 samples.push(grey(1.0));
@@ -232,6 +244,42 @@ fn a_time_limit_ends_the_render_but_not_before_every_pixel_has_a_sample() {
         // A pass takes about 60 ms; a busy machine may add seconds.
         assert!(started.elapsed() < Duration::from_secs(10));
     }
+}
+
+/// Samples of the lower half take so long that they are abandoned when the time is up.
+#[test]
+fn a_tile_whose_samples_take_too_long_is_left_as_it_was() {
+    struct Endless;
+    impl SampleSource for Endless {
+        fn channels(&self) -> &[String] {
+            &[]
+        }
+
+        fn take_samples(
+            &self,
+            ids: &[SampleId],
+            _: &mut [f32],
+            watch: &Watch<'_>,
+            samples: &mut Vec<Sample>,
+        ) {
+            let is_endless = |id: &SampleId| id.y >= REGION.y + 16 && id.index >= 40;
+            while ids.iter().any(is_endless) && !watch.must_abandon() {
+                std::thread::yield_now();
+            }
+            samples.extend(ids.iter().map(|id| grey(noise(*id))));
+        }
+    }
+    let time = Some(Duration::from_millis(300));
+    let budget = Budget { samples_per_pixel: Some(60), time };
+    let (film, statistics) = render(&Endless, &Job { budget, ..job(60) }, 2);
+    let SamplesPerPixel { least, most } = statistics.samples_per_pixel;
+    assert!(0 < least && least <= 40, "{least}");
+    let taken = film.develop(ALL);
+    // The film is the one without the samples that were abandoned, also within a tile.
+    let (whole, _) = render(&formula(|id| grey(noise(id))), &job(least), 2);
+    let row = (REGION.width * (REGION.height - 1)) as usize;
+    assert_eq!(taken.channels[0].data[row..], whole.develop(ALL).channels[0].data[row..]);
+    assert!(least <= most && !statistics.cancelled);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use etendue_engine::{
     Region, Silent, Workers, render_into,
 };
 use etendue_image::Picture;
-use etendue_integrators::{CameraRay, Integrator, Radiance, Start, Training};
+use etendue_integrators::{CameraRay, Integrator, Radiance, Start, Training, Watch};
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::warp::cosine_hemisphere;
 use etendue_sampling::{Distribution2D, Sampler};
@@ -92,6 +92,7 @@ impl Integrator for Learner {
         start: &Start,
         sampler: &mut Sampler,
         _: &mut [f32],
+        _: &Watch<'_>,
     ) -> Radiance {
         Radiance { color: self.estimate(scene, start, sampler).0, alpha: 1.0 }
     }

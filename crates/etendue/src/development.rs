@@ -3,9 +3,8 @@
 //! These settings are stored in checkpoints and parts, so that parts can be merged without the
 //! scene.
 
-use etendue_engine::Region;
+use etendue_engine::{Camera, Region};
 use etendue_image::{ExrPrecision, MetadataValue, ToneMap};
-use etendue_scene::SensorSetup;
 use etendue_scene::film::PixelFormat;
 
 /// What is needed to develop sums into a picture.
@@ -23,6 +22,8 @@ pub(crate) struct Development {
     /// Empty if the host has not named the scene.
     pub(crate) scene_name: String,
     pub(crate) seed: u64,
+    /// The limit of indirect light; infinite if there is none.
+    pub(crate) clamp_indirect: f32,
     pub(crate) world_to_camera: [f32; 16],
     pub(crate) world_to_ndc: [f32; 16],
 }
@@ -50,9 +51,10 @@ const TONE_MAPS: [Named<ToneMap>; 4] = [
 ];
 
 impl Development {
-    pub(crate) fn new(setup: &SensorSetup, scene_hash: &[u8; 32], seed: u64) -> Self {
+    pub(crate) fn new(camera: &Camera, scene_hash: &[u8; 32]) -> Self {
+        let setup = camera.setup();
         let film = &setup.film;
-        let camera = setup.sensor.camera_matrices();
+        let matrices = setup.sensor.camera_matrices();
         // OpenEXR matrices act on row vectors, so they are the transposes of glam's; writing them
         // column by column gives the right order.
         Self {
@@ -63,9 +65,10 @@ impl Development {
             film: [film.width, film.height],
             scene_hash: hexadecimal(scene_hash),
             scene_name: String::new(),
-            seed,
-            world_to_camera: camera.world_to_camera.to_cols_array(),
-            world_to_ndc: camera.world_to_ndc.to_cols_array(),
+            seed: camera.sampler().seed(),
+            clamp_indirect: camera.integrator().clamp_indirect().unwrap_or(f32::INFINITY),
+            world_to_camera: matrices.world_to_camera.to_cols_array(),
+            world_to_ndc: matrices.world_to_ndc.to_cols_array(),
         }
     }
 
@@ -81,6 +84,7 @@ impl Development {
             ("scene", self.scene_hash.clone()),
             (SCENE_NAME, self.scene_name.clone()),
             ("seed", self.seed.to_string()),
+            ("clamp indirect", self.clamp_indirect.to_string()),
             ("world to camera", numbers(&self.world_to_camera)),
             ("world to NDC", numbers(&self.world_to_ndc)),
         ];
@@ -101,6 +105,7 @@ impl Development {
             scene_hash: note("scene")?.to_owned(),
             scene_name: note(SCENE_NAME)?.to_owned(),
             seed: note("seed")?.parse().ok()?,
+            clamp_indirect: note("clamp indirect")?.parse().ok()?,
             world_to_camera: parse(note("world to camera")?)?,
             world_to_ndc: parse(note("world to NDC")?)?,
         };
@@ -147,6 +152,9 @@ impl Development {
         ];
         if !self.scene_name.is_empty() {
             entries.push(("scene", text(self.scene_name.clone())));
+        }
+        if self.clamp_indirect.is_finite() {
+            entries.push(("clampIndirect", MetadataValue::Float(self.clamp_indirect)));
         }
         entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
@@ -199,6 +207,7 @@ mod tests {
             scene_hash: hexadecimal(&[0xab; 32]),
             scene_name: "cups/scene.xml".to_owned(),
             seed: u64::MAX,
+            clamp_indirect: 0.1,
             world_to_camera: std::array::from_fn(|i| 1.0 / (i as f32 + 3.0)),
             world_to_ndc: std::array::from_fn(|i| f32::MIN_POSITIVE * i as f32),
         }

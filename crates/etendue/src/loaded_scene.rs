@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use etendue_document::{Diagnostics, Document, Resources, Sources, normalise};
+use etendue_document::{Diagnostic, Diagnostics, Document, Fault, Resources, Sources, normalise};
 use etendue_integrators::{Integrator, build_integrator};
 use etendue_scene::{AssetCache, BuildOptions, Identity, Scene, SceneInput, gather_scene};
 
@@ -95,6 +95,9 @@ impl Input {
             Err(shared) => shared.sources.clone(),
         };
         let scene = gathered.and_then(|gathered| gathered.build(diagnostics));
+        if let (Some(scene), Some(integrator)) = (&scene, &integrator) {
+            warn_of_darkness(scene, &**integrator, diagnostics);
+        }
         let loaded = scene.zip(integrator).map(|(scene, integrator)| LoadedScene {
             scene: Arc::new(scene),
             integrator: integrator.into(),
@@ -104,6 +107,21 @@ impl Input {
         });
         (loaded, sources)
     }
+}
+
+/// Warns about a scene that renders black.
+fn warn_of_darkness(scene: &Scene, integrator: &dyn Integrator, diagnostics: &Diagnostics) {
+    if scene.has_light() || !integrator.needs_light() {
+        return;
+    }
+    let message = match scene.emitter_count() {
+        0 => "the scene has no emitter: the picture will be black",
+        _ => "all emitters of the scene are black: the picture will be black",
+    };
+    diagnostics.push(
+        Diagnostic::warning(Fault::MissingParameter, None, message)
+            .help("`<emitter type=\"constant\"/>` surrounds it with white light"),
+    );
 }
 
 /// The options that change the picture. Search paths do not; the content of files is in the scene's

@@ -127,7 +127,7 @@ impl RenderJob {
             sampler,
             Arc::clone(&scene.integrator),
         );
-        let development = Development::new(setup, &scene.scene.content_hash(), seed);
+        let development = Development::new(&camera, &scene.scene.content_hash());
         let development = Development {
             exposure: options.exposure.unwrap_or(development.exposure),
             tone_map: options.tone_map.unwrap_or(development.tone_map),

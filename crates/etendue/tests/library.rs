@@ -126,3 +126,59 @@ fn files_are_read_from_disk_and_broken_ones_shown() {
     let missing = render_file(folder.path().join("no.xml"), &SceneOptions::default(), &options);
     assert!(missing.unwrap_err().to_string().contains("no.xml"));
 }
+
+/// The messages of loading a scene with this content besides its sensor.
+fn messages(body: &str) -> Vec<String> {
+    let text = format!(r#"<scene version="3.0.0"><sensor type="perspective"/>{body}</scene>"#);
+    let resources = etendue::document::MemoryResources::default();
+    let loaded = etendue::load_text(&text, "".into(), &resources, &SceneOptions::default());
+    assert!(loaded.scene.is_some(), "{body}");
+    loaded.diagnostics.list.iter().map(|diagnostic| diagnostic.message.clone()).collect()
+}
+
+#[test]
+fn a_scene_without_light_is_reported_unless_it_needs_none() {
+    let black = r#"<rgb name="radiance" value="0"/>"#;
+    for (body, part) in [
+        (r#"<shape type="sphere"/>"#.to_owned(), "no emitter"),
+        (format!(r#"<emitter type="constant">{black}</emitter>"#), "are black"),
+        (
+            format!(r#"<shape type="sphere"><emitter type="area">{black}</emitter></shape>"#),
+            "are black",
+        ),
+    ] {
+        let found = messages(&body);
+        assert!(found.len() == 1 && found[0].contains(part), "{body}: {found:?}");
+        for geometry in
+            [r#"type="depth"/>"#, r#"type="aov"><string name="aovs" value="depth"/></integrator>"#]
+        {
+            let body = format!("<integrator {geometry}{body}");
+            assert_eq!(messages(&body), Vec::<String>::new(), "{body}");
+        }
+        let body =
+            format!(r#"<integrator type="aov"><integrator type="path"/></integrator>{body}"#);
+        assert_eq!(messages(&body).len(), 1, "{body}");
+    }
+    let lit = r#"<emitter type="point"/>"#;
+    assert_eq!(messages(lit), Vec::<String>::new());
+}
+
+#[test]
+fn integrator_parameters_that_only_divide_the_work_are_accepted() {
+    let body = r#"<integrator type="path"><integer name="samples_per_pass" value="4"/>
+        <float name="timeout" value="60"/></integrator><emitter type="constant"/>"#;
+    assert_eq!(messages(body), Vec::<String>::new());
+}
+
+#[test]
+fn the_header_tells_a_limit_of_indirect_light() {
+    let limit_of = |options: &SceneOptions| {
+        let rendering = render_text(&scene(""), options, &RenderOptions::default()).unwrap();
+        let metadata = rendering.picture.metadata.into_iter();
+        metadata.filter(|(name, _)| name == "clampIndirect").map(|(_, value)| value).next()
+    };
+    let mut options = SceneOptions::default();
+    assert_eq!(limit_of(&options), None);
+    options.integrator.clamp_indirect = Some(2.5);
+    assert_eq!(limit_of(&options), Some(MetadataValue::Float(2.5)));
+}

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use etendue::document::MemoryResources;
-use etendue::integrators::{CameraRay, Integrator, Radiance, Start, Training};
+use etendue::integrators::{CameraRay, Integrator, Radiance, Start, Training, Watch};
 use etendue::sampling::Sampler;
 use etendue::scene::Scene;
 use etendue::spectrum::Spectrum;
@@ -28,7 +28,14 @@ struct Counter {
 struct Counting(AtomicU32);
 
 impl Integrator for Counter {
-    fn sample(&self, _: &Scene, _: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
+    fn sample(
+        &self,
+        _: &Scene,
+        _: &Start,
+        _: &mut Sampler,
+        _: &mut [f32],
+        _: &Watch<'_>,
+    ) -> Radiance {
         let color = Spectrum::splat(self.learned.unwrap_or(0.0));
         Radiance { color, ..Radiance::NONE }
     }

@@ -2,6 +2,7 @@
 
 use crate::integrator::{CameraRay, ChannelKind, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone, write};
+use crate::watch::Watch;
 use etendue_document::{Diagnostic, Fault, Parameters, list_names};
 use etendue_sampling::Sampler;
 use etendue_scene::bsdf::Bsdf;
@@ -146,14 +147,23 @@ impl Integrator for Aov {
         self.channel_kinds.clone()
     }
 
+    fn needs_light(&self) -> bool {
+        self.nested.iter().any(|nested| nested.integrator.needs_light())
+    }
+
+    fn clamp_indirect(&self) -> Option<f32> {
+        self.nested.iter().find_map(|nested| nested.integrator.clamp_indirect())
+    }
+
     fn sample(
         &self,
         scene: &Scene,
         start: &Start,
         sampler: &mut Sampler,
         channels: &mut [f32],
+        watch: &Watch<'_>,
     ) -> Radiance {
-        sample_alone(self, scene, start, sampler, channels)
+        sample_alone(self, scene, start, sampler, (channels, watch))
     }
 
     fn sample_batch(
@@ -161,12 +171,13 @@ impl Integrator for Aov {
         scene: &Scene,
         rays: &mut [CameraRay],
         channels: &mut [f32],
+        watch: &Watch<'_>,
         radiance: &mut Vec<Radiance>,
     ) {
         let mut rows = Rows::new(channels, self.channels.len());
         let mut first = None;
         for nested in &self.nested {
-            let seen = nested.sample_batch(scene, rays, &mut rows);
+            let seen = nested.sample_batch(scene, rays, &mut rows, watch);
             rows.append(4, |row| {
                 let [red, green, blue] = seen[row].color.rgb();
                 [red, green, blue, seen[row].alpha]

@@ -1,6 +1,7 @@
 //! `depth`: the distance to the first visible surface.
 
 use crate::integrator::{Integrator, Radiance, Start};
+use crate::watch::Watch;
 use etendue_sampling::Sampler;
 use etendue_scene::{Manual, Scene};
 use etendue_spectrum::Spectrum;
@@ -18,7 +19,18 @@ pub(crate) const MANUAL: Manual = Manual {
 pub struct Depth;
 
 impl Integrator for Depth {
-    fn sample(&self, scene: &Scene, start: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
+    fn needs_light(&self) -> bool {
+        false
+    }
+
+    fn sample(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        _: &mut Sampler,
+        _: &mut [f32],
+        _: &Watch<'_>,
+    ) -> Radiance {
         scene.intersect(&start.ray).map_or(Radiance::NONE, |surface| Radiance {
             color: Spectrum::splat(surface.t),
             alpha: 1.0,

@@ -1,17 +1,19 @@
 //! `direct`: emitted light and single scattering.
 
 use crate::estimator::{
-    Continuation, HideEmitters, NextEvent, PathVertex, PathWeight, ScatterNumbers, StrictNormals,
-    distant, emitted, first_surface,
+    Alpha, Continuation, HideEmitters, NextEvent, PathVertex, PathWeight, ScatterNumbers,
+    StrictNormals, ThinSheet, distant, emitted, first_surface, skip_hits,
 };
 use crate::integrator::{Integrator, Radiance, Start};
 use crate::options::IntegratorOptions;
 use crate::parameters::{HIDE_EMITTERS, STRICT_NORMALS, read_hide_emitters, read_strict_normals};
+use crate::watch::Watch;
 use etendue_document::{Fault, Parameters};
 use etendue_sampling::Sampler;
 use etendue_scene::bsdf::Bsdf;
 use etendue_scene::{Manual, ParameterManual, Scene, SurfaceInteraction};
 use etendue_spectrum::{Spectrum, SpectrumLanes};
+use glam::Vec3;
 
 /// The manual page.
 pub(crate) const MANUAL: Manual = Manual {
@@ -95,35 +97,74 @@ impl Direct {
         sum / self.emitter_samples as f32
     }
 
-    /// Direct light from BSDF sampling.
+    /// Direct light from BSDF sampling, and alpha: less than one if the surface lets the background
+    /// show through.
     fn by_material(
         &self,
         scene: &Scene,
         surface: &SurfaceInteraction,
         bsdf: &Bsdf<'_>,
         sampler: &mut Sampler,
-    ) -> Spectrum {
+    ) -> Radiance {
+        if self.bsdf_samples == 0 {
+            return Radiance { color: Spectrum::ZERO, alpha: 1.0 };
+        }
         let scatter_ratio = self.bsdf_samples as f32 / self.emitter_samples as f32;
         let start = PathWeight { throughput: SpectrumLanes::grey(1.0), eta: 1.0 };
-        let mut sum = Spectrum::ZERO;
+        let mut sum = Radiance::NONE;
         for _ in 0..self.bsdf_samples {
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d().into());
             let numbers = ScatterNumbers { lobe, direction };
             let next = Continuation::at_hit(surface, bsdf, start, &numbers, self.strict_normals);
+            let mut alpha = Alpha::default();
+            if !next.null {
+                alpha.cover();
+            }
             if !next.exists {
+                sum.alpha += alpha.value();
                 continue;
             }
             let competes = self.emitter_samples > 0 && next.smooth;
             let pdf = competes.then_some(next.pdf * scatter_ratio);
             let vertex = PathVertex { point: surface.point, pdf };
-            let direction = next.direction.into();
-            let found = match scene.intersect(&surface.spawn_ray(direction)) {
-                Some(light) => emitted(scene, &light, direction, &vertex),
-                None => distant(scene, direction, &vertex),
-            };
-            sum += Spectrum::from(next.weight.throughput) * found;
+            let light =
+                self.light_along(scene, surface, &vertex, (next.direction.into(), &mut alpha));
+            sum.color += Spectrum::from(next.weight.throughput) * light;
+            sum.alpha += alpha.value();
         }
-        if self.bsdf_samples == 0 { sum } else { sum / self.bsdf_samples as f32 }
+        let count = self.bsdf_samples as f32;
+        Radiance { color: sum.color / count, alpha: sum.alpha / count }
+    }
+
+    /// The weighted light that arrives at `surface` from a sampled direction. If the camera ray
+    /// continues there, it sees no hidden emitters and ignores the back of a thin sheet.
+    fn light_along(
+        &self,
+        scene: &Scene,
+        surface: &SurfaceInteraction,
+        vertex: &PathVertex,
+        (direction, alpha): (Vec3, &mut Alpha),
+    ) -> Spectrum {
+        let hide_emitters = self.hide_emitters.seen_by(*alpha);
+        let mut ray = surface.spawn_ray(direction);
+        let mut hit = scene.closest_hit(&ray);
+        if alpha.is_camera_ray() {
+            let mut sheet = ThinSheet::default();
+            sheet.enter(surface.shape, surface.point);
+            skip_hits(scene, &mut ray, &mut hit, &mut |surface| {
+                sheet.holds(surface) || hide_emitters.hides(scene, surface)
+            });
+        }
+        if let Some(hit) = hit {
+            alpha.cover();
+            let light = scene.interaction(&ray, &hit);
+            return emitted(scene, &light, direction, vertex);
+        }
+        if hide_emitters.0 {
+            return Spectrum::ZERO;
+        }
+        alpha.escape(scene, hide_emitters);
+        distant(scene, direction, vertex)
     }
 }
 
@@ -134,6 +175,7 @@ impl Integrator for Direct {
         start: &Start,
         sampler: &mut Sampler,
         _: &mut [f32],
+        _: &Watch<'_>,
     ) -> Radiance {
         let ray = &start.ray;
         let surface = match first_surface(scene, ray, self.hide_emitters) {
@@ -142,8 +184,8 @@ impl Integrator for Direct {
         };
         let bsdf = scene.prepare_bsdf(&surface);
         let color = emitted(scene, &surface, ray.direction, &PathVertex::camera(ray.origin))
-            + self.by_emitters(scene, &surface, &bsdf, sampler)
-            + self.by_material(scene, &surface, &bsdf, sampler);
-        Radiance { color, alpha: 1.0 }
+            + self.by_emitters(scene, &surface, &bsdf, sampler);
+        let scattered = self.by_material(scene, &surface, &bsdf, sampler);
+        Radiance { color: color + scattered.color, alpha: scattered.alpha }
     }
 }

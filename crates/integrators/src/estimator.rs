@@ -11,11 +11,13 @@
 //! | next-event estimation | [`NextEvent`] |
 //! | how a path continues, strict normals | [`Continuation`], [`StrictNormals`] |
 //! | Russian roulette | [`Roulette`] |
+//! | limited indirect light | [`ClampIndirect`] |
 //! | hidden emitters | [`HideEmitters`], [`first_hit`] |
 //! | null transmission through thin sheets | [`ThinSheet`] |
 //! | alpha | [`Alpha`] |
 
 mod alpha;
+mod clamp_indirect;
 mod continuation;
 mod emission;
 mod hide_emitters;
@@ -28,6 +30,7 @@ mod thin_sheet;
 mod visibility;
 
 pub(crate) use alpha::Alpha;
+pub(crate) use clamp_indirect::ClampIndirect;
 pub(crate) use continuation::{Continuation, PathWeight};
 pub(crate) use emission::{Emission, PathVertex, distant, emitted};
 pub(crate) use hide_emitters::HideEmitters;

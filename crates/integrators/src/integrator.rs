@@ -2,6 +2,7 @@
 //! render.
 
 use crate::particles::ParticleIntegrator;
+use crate::watch::Watch;
 use etendue_math::Ray;
 use etendue_sampling::Sampler;
 use etendue_scene::{MediumId, Scene};
@@ -15,6 +16,8 @@ use etendue_spectrum::Spectrum;
 /// # Contract
 /// - A camera sample is a pure function of the scene, the ray and the random numbers of its
 ///   [`Sampler`]. No state is kept between samples.
+/// - The work for a sample is bounded, and long work asks the [`Watch`] whether to go on. If the
+///   watch abandons a batch, its results are meaningless.
 /// - The expected value is the radiance along the ray. If [`Self::particles`] is not `None`, the
 ///   mean of their splats is added: only the sum of both has the right expected value.
 /// - The caller counts and discards results that are not finite.
@@ -38,6 +41,7 @@ pub trait Integrator: Send + Sync {
         start: &Start,
         sampler: &mut Sampler,
         channels: &mut [f32],
+        watch: &Watch<'_>,
     ) -> Radiance;
 
     /// Takes many samples, each bit-identical to [`Self::sample`], and appends them to `radiance`.
@@ -47,15 +51,27 @@ pub trait Integrator: Send + Sync {
         scene: &Scene,
         rays: &mut [CameraRay],
         channels: &mut [f32],
+        watch: &Watch<'_>,
         radiance: &mut Vec<Radiance>,
     ) {
         let channel_count = self.channels().len();
         radiance.extend(rays.iter_mut().enumerate().map(
             |(index, CameraRay { start, sampler })| {
                 let channels = &mut channels[index * channel_count..(index + 1) * channel_count];
-                self.sample(scene, start, sampler, channels)
+                self.sample(scene, start, sampler, channels, watch)
             },
         ));
+    }
+
+    /// Whether pictures are black without emitters. False for integrators that render geometry.
+    fn needs_light(&self) -> bool {
+        true
+    }
+
+    /// The limit of indirect light, if any. It makes pictures darker than they should be, so files
+    /// tell it.
+    fn clamp_indirect(&self) -> Option<f32> {
+        None
     }
 
     /// The particles that bring the rest of the light, if any. Integrators that nest others, such

@@ -3,7 +3,7 @@
 //! An integrator handles one camera ray at a time, or many at once. Besides light it may fill
 //! additional channels ([`Integrator::channels`]), trace particles from the emitters
 //! ([`ParticleIntegrator`]), and train before it renders ([`Training`]). Each of these traits
-//! states its contract.
+//! states its contract. A [`Watch`] bounds the work.
 #![forbid(unsafe_code)]
 
 mod aov;
@@ -22,6 +22,7 @@ mod ptracer;
 mod registry;
 mod volpath;
 mod volpathmis;
+mod watch;
 
 pub use aov::Aov;
 pub use depth::Depth;
@@ -35,3 +36,4 @@ pub use path::Path;
 pub use ptracer::ParticleTracer;
 pub use registry::{INTEGRATORS, build_integrator, plugins};
 pub use volpath::VolumePath;
+pub use watch::{MAX_COLLISIONS, MAX_EDGES, Watch};

@@ -2,6 +2,7 @@
 
 use crate::integrator::{CameraRay, ChannelKind, Integrator, Radiance, Start};
 use crate::nested::{Nested, Rows, sample_alone};
+use crate::watch::Watch;
 use etendue_sampling::Sampler;
 use etendue_scene::{Manual, Scene};
 use etendue_spectrum::color::rgb_to_xyz;
@@ -54,14 +55,23 @@ impl Integrator for Moment {
         kinds
     }
 
+    fn needs_light(&self) -> bool {
+        self.nested.iter().any(|nested| nested.integrator.needs_light())
+    }
+
+    fn clamp_indirect(&self) -> Option<f32> {
+        self.nested.iter().find_map(|nested| nested.integrator.clamp_indirect())
+    }
+
     fn sample(
         &self,
         scene: &Scene,
         start: &Start,
         sampler: &mut Sampler,
         channels: &mut [f32],
+        watch: &Watch<'_>,
     ) -> Radiance {
-        sample_alone(self, scene, start, sampler, channels)
+        sample_alone(self, scene, start, sampler, (channels, watch))
     }
 
     fn sample_batch(
@@ -69,13 +79,14 @@ impl Integrator for Moment {
         scene: &Scene,
         rays: &mut [CameraRay],
         channels: &mut [f32],
+        watch: &Watch<'_>,
         radiance: &mut Vec<Radiance>,
     ) {
         let width = self.channels.len();
         let mut rows = Rows::new(channels, width);
         let mut first = None;
         for nested in &self.nested {
-            let seen = nested.sample_batch(scene, rays, &mut rows);
+            let seen = nested.sample_batch(scene, rays, &mut rows, watch);
             rows.append(3, |row| rgb_to_xyz(seen[row].color.rgb()));
             first.get_or_insert(seen);
         }

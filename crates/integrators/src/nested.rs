@@ -1,6 +1,7 @@
 //! An integrator nested in another one: its name and its channels.
 
 use crate::integrator::{CameraRay, Integrator, Radiance, Start};
+use crate::watch::Watch;
 use etendue_sampling::Sampler;
 use etendue_scene::Scene;
 
@@ -25,11 +26,12 @@ impl Nested {
         scene: &Scene,
         rays: &mut [CameraRay],
         rows: &mut Rows<'_>,
+        watch: &Watch<'_>,
     ) -> Vec<Radiance> {
         let columns = self.integrator.channels().len();
         let mut channels = vec![0.0; columns * rays.len()];
         let mut radiance = Vec::with_capacity(rays.len());
-        self.integrator.sample_batch(scene, rays, &mut channels, &mut radiance);
+        self.integrator.sample_batch(scene, rays, &mut channels, watch, &mut radiance);
         rows.append(columns, |row| &channels[row * columns..(row + 1) * columns]);
         radiance
     }
@@ -72,11 +74,11 @@ pub(crate) fn sample_alone(
     scene: &Scene,
     start: &Start,
     sampler: &mut Sampler,
-    channels: &mut [f32],
+    (channels, watch): (&mut [f32], &Watch<'_>),
 ) -> Radiance {
     let mut rays = [CameraRay { start: *start, sampler: *sampler }];
     let mut radiance = Vec::with_capacity(1);
-    integrator.sample_batch(scene, &mut rays, channels, &mut radiance);
+    integrator.sample_batch(scene, &mut rays, channels, watch, &mut radiance);
     let [CameraRay { sampler: rest, .. }] = rays;
     *sampler = rest;
     radiance.pop().unwrap_or(Radiance::NONE)

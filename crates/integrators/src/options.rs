@@ -7,10 +7,12 @@ pub struct IntegratorOptions {
     pub name: Option<String>,
     /// Whether emitters are sampled; otherwise paths find light only by hitting emitters.
     pub emitter_sampling: bool,
+    /// The limit of indirect light, as the parameter `clamp_indirect` of path tracers.
+    pub clamp_indirect: Option<f32>,
 }
 
 impl Default for IntegratorOptions {
     fn default() -> Self {
-        Self { name: None, emitter_sampling: true }
+        Self { name: None, emitter_sampling: true, clamp_indirect: None }
     }
 }

@@ -1,6 +1,6 @@
 //! Parameters that several integrators share.
 
-use crate::estimator::{HideEmitters, StrictNormals};
+use crate::estimator::{ClampIndirect, HideEmitters, StrictNormals};
 use crate::options::IntegratorOptions;
 use etendue_document::{Fault, Parameters};
 use etendue_scene::ParameterManual;
@@ -10,7 +10,7 @@ pub(crate) const MAX_DEPTH: ParameterManual = ParameterManual {
     name: "max_depth",
     kind: "integer",
     default: "-1",
-    meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit.",
+    meaning: "The longest path, in edges: 1 shows emitters alone, 2 direct light, −1 has no limit but 65,536.",
 };
 
 /// The second parameter of [`DepthLimits`].
@@ -35,6 +35,16 @@ pub(crate) const STRICT_NORMALS: ParameterManual = ParameterManual {
     kind: "boolean",
     default: "false",
     meaning: "Light must be on the same side of the geometric as of the shading normal.",
+};
+
+/// The parameter of [`ClampIndirect`].
+pub(crate) const CLAMP_INDIRECT: ParameterManual = ParameterManual {
+    name: "clamp_indirect",
+    kind: "float",
+    default: "",
+    meaning: "The most that one vertex of a path may add to its pixel of light that was scattered more than \
+              once; without it there is no limit. It removes bright single pixels, and makes pictures darker \
+              than they should be.",
 };
 
 /// The limits of path length, in edges.
@@ -67,6 +77,7 @@ pub(crate) struct PathParameters {
     pub(crate) strict_normals: StrictNormals,
     /// Whether emitters are sampled; otherwise paths find light only by hitting emitters.
     pub(crate) emitter_sampling: bool,
+    pub(crate) clamp_indirect: ClampIndirect,
 }
 
 impl PathParameters {
@@ -77,6 +88,7 @@ impl PathParameters {
             hide_emitters: read_hide_emitters(parameters),
             strict_normals: StrictNormals(false),
             emitter_sampling: options.emitter_sampling,
+            clamp_indirect: read_clamp_indirect(parameters, options),
         }
     }
 }
@@ -84,6 +96,14 @@ impl PathParameters {
 /// Reads `hide_emitters`.
 pub(crate) fn read_hide_emitters(parameters: &Parameters<'_>) -> HideEmitters {
     HideEmitters(parameters.boolean("hide_emitters", false))
+}
+
+/// Reads `clamp_indirect`, which the library's user may override.
+fn read_clamp_indirect(parameters: &Parameters<'_>, options: &IntegratorOptions) -> ClampIndirect {
+    let of_scene = parameters
+        .has(CLAMP_INDIRECT.name)
+        .then(|| parameters.float_in(CLAMP_INDIRECT.name, 0.0, 0.0..=f64::from(f32::MAX)) as f32);
+    ClampIndirect::new(options.clamp_indirect.or(of_scene))
 }
 
 /// Reads `strict_normals`.

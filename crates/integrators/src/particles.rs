@@ -1,5 +1,6 @@
 //! The particle contract: light traced from the emitters to the sensor.
 
+use crate::watch::Watch;
 use etendue_sampling::Sampler;
 use etendue_scene::Scene;
 use etendue_scene::sensor::Sensor;
@@ -15,6 +16,7 @@ use glam::Vec2;
 /// - The sampler is a copy of the camera sample's. A bidirectional integrator can therefore trace
 ///   the same light path in both calls: once to connect it to the camera path, once to connect it
 ///   to the sensor.
+/// - The work is bounded, and the [`Watch`] may abandon it, as for camera samples.
 /// - The mean of the splats over all particles is added to the picture of the camera samples.
 pub trait ParticleIntegrator: Send + Sync {
     /// Traces one particle through the scene and sends its splats to `sink`.
@@ -24,6 +26,7 @@ pub trait ParticleIntegrator: Send + Sync {
         sampler: &mut Sampler,
         target: &SplatTarget<'_>,
         sink: &mut SplatSink<'_>,
+        watch: &Watch<'_>,
     );
 }
 

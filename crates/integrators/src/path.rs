@@ -12,8 +12,10 @@ use crate::estimator::VertexNumbers;
 use crate::integrator::{CameraRay, Integrator, Radiance, Start};
 use crate::options::IntegratorOptions;
 use crate::parameters::{
-    HIDE_EMITTERS, MAX_DEPTH, PathParameters, RR_DEPTH, STRICT_NORMALS, read_strict_normals,
+    CLAMP_INDIRECT, HIDE_EMITTERS, MAX_DEPTH, PathParameters, RR_DEPTH, STRICT_NORMALS,
+    read_strict_normals,
 };
+use crate::watch::{Watch, WorkLimit};
 use etendue_document::Parameters;
 use etendue_sampling::Sampler;
 use etendue_scene::{Manual, Scene};
@@ -24,7 +26,7 @@ use wavefront::Wavefront;
 pub(crate) const MANUAL: Manual = Manual {
     summary: "Path tracing: at every vertex an emitter is sampled and the material is sampled, and both \
               are combined by multiple importance sampling.",
-    parameters: &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS, STRICT_NORMALS],
+    parameters: &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS, STRICT_NORMALS, CLAMP_INDIRECT],
     sample: r#"<integrator type="path"><integer name="max_depth" value="8"/></integrator>"#,
 };
 
@@ -45,16 +47,25 @@ impl Path {
 }
 
 impl Integrator for Path {
+    fn clamp_indirect(&self) -> Option<f32> {
+        self.parameters.clamp_indirect.limit()
+    }
+
     fn sample(
         &self,
         scene: &Scene,
         start: &Start,
         sampler: &mut Sampler,
         _: &mut [f32],
+        watch: &Watch<'_>,
     ) -> Radiance {
         let mut ray = start.ray;
         let mut path = PathState::new(ray.origin, *sampler);
+        let mut edges = WorkLimit::edges(watch);
         for depth in 0..self.parameters.limits.max_depth {
+            if !edges.step() {
+                break;
+            }
             let step = Step { parameters: &self.parameters, scene, depth };
 
             // Find the next surface, or else distant light.
@@ -78,7 +89,8 @@ impl Integrator for Path {
             if let Some(light) = step.propose_light(&surface, &bsdf, numbers.light)
                 && !scene.occluded(&light.shadow_ray)
             {
-                path.radiance += path.throughput * light.radiance;
+                let light = path.throughput * light.radiance;
+                path.radiance += step.limit_reflected(&path, light);
             }
 
             // Sample the next direction, or end the path.
@@ -100,8 +112,9 @@ impl Integrator for Path {
         scene: &Scene,
         rays: &mut [CameraRay],
         _: &mut [f32],
+        watch: &Watch<'_>,
         radiance: &mut Vec<Radiance>,
     ) {
-        radiance.extend(Wavefront::new(&self.parameters, scene, rays).trace());
+        radiance.extend(Wavefront::new(&self.parameters, scene, rays).trace(watch));
     }
 }

@@ -4,6 +4,7 @@ use crate::estimator::{HideEmitters, PathVertex, Roulette, emitted, first_hit, f
 use crate::integrator::{Integrator, Radiance, Start};
 use crate::parameters::{DepthLimits, HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH, read_hide_emitters};
 use crate::particles::{ParticleIntegrator, Splat, SplatSink, SplatTarget};
+use crate::watch::{Watch, WorkLimit};
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_sampling::Sampler;
@@ -173,7 +174,14 @@ fn shading_correction(
 
 impl Integrator for ParticleTracer {
     /// The emitters that the camera sees directly. Particles contribute the rest.
-    fn sample(&self, scene: &Scene, start: &Start, _: &mut Sampler, _: &mut [f32]) -> Radiance {
+    fn sample(
+        &self,
+        scene: &Scene,
+        start: &Start,
+        _: &mut Sampler,
+        _: &mut [f32],
+        _: &Watch<'_>,
+    ) -> Radiance {
         let ray = &start.ray;
         let camera = PathVertex::camera(ray.origin);
         let radiance = first_surface(scene, ray, self.hide_emitters).map_or_else(
@@ -202,11 +210,13 @@ impl ParticleIntegrator for ParticleTracer {
         sampler: &mut Sampler,
         target: &SplatTarget<'_>,
         sink: &mut SplatSink<'_>,
+        watch: &Watch<'_>,
     ) {
         let Some(mut particle) = Self::emit(scene, sampler) else { return };
+        let mut edges = WorkLimit::edges(watch);
         // The last edge leads to the camera.
         let mut depth = 1;
-        while depth < self.limits.max_depth {
+        while depth < self.limits.max_depth && edges.step() {
             let Some(surface) = scene.intersect(&particle.ray) else { return };
             let bsdf = scene.prepare_bsdf(&surface);
             let vertex = Vertex { surface: &surface, bsdf: &bsdf };

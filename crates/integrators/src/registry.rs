@@ -135,6 +135,10 @@ pub fn build_integrator(
     }
     let integrator = Build { parameters: &parameters, options, nesting: 0 }.by_name(name)?;
     warn_of_media(document, name, parameters.span(), diagnostics);
+    if options.clamp_indirect.is_some() && integrator.clamp_indirect().is_none() {
+        let message = format!("`{name}` has no indirect light to limit");
+        diagnostics.warning(Fault::UnknownParameter, None, message);
+    }
     // Parameters of the scene's integrator may be unknown to the replacement.
     if of_scene.is_some() && options.name.is_none() {
         parameters.finish();

@@ -4,7 +4,8 @@ use crate::estimator::{Alpha, Emission, Roulette, ThinSheet, VertexNumbers};
 use crate::integrator::{Integrator, Radiance, Start};
 use crate::media::{Connection, Event, Heuristic, MediumVertex, MediumWalk, Turn, Vertex, Weights};
 use crate::options::IntegratorOptions;
-use crate::parameters::{HIDE_EMITTERS, MAX_DEPTH, PathParameters, RR_DEPTH};
+use crate::parameters::{CLAMP_INDIRECT, HIDE_EMITTERS, MAX_DEPTH, PathParameters, RR_DEPTH};
+use crate::watch::{Watch, WorkLimit};
 use etendue_document::Parameters;
 use etendue_math::Ray;
 use etendue_sampling::Sampler;
@@ -26,14 +27,15 @@ pub(crate) const MANUAL: Manual = Manual {
 };
 
 /// The parameters of `volpath` and `volpathmis`.
-pub(crate) const PARAMETERS: [ParameterManual; 3] = [
+pub(crate) const PARAMETERS: [ParameterManual; 4] = [
     ParameterManual {
         meaning: "The longest path, in edges: 1 shows emitters alone, 2 light that was scattered once, \
-                  −1 has no limit. Surfaces that do not bend light end no edge.",
+                  −1 has no limit but 65,536. Surfaces that do not bend light end no edge.",
         ..MAX_DEPTH
     },
     ParameterManual { meaning: "Beyond this depth, paths end by Russian roulette.", ..RR_DEPTH },
     HIDE_EMITTERS,
+    CLAMP_INDIRECT,
 ];
 
 /// The volumetric path tracer.
@@ -60,8 +62,8 @@ impl VolumePath {
 }
 
 /// The state of a path.
-struct State {
-    walk: MediumWalk,
+struct State<'a> {
+    walk: MediumWalk<'a>,
     weights: Weights,
     /// The last vertex that scattered light.
     vertex: Vec3,
@@ -90,15 +92,21 @@ struct ScatteredLight<'a> {
 }
 
 impl Integrator for VolumePath {
+    fn clamp_indirect(&self) -> Option<f32> {
+        self.parameters.clamp_indirect.limit()
+    }
+
     fn sample(
         &self,
         scene: &Scene,
         start: &Start,
         sampler: &mut Sampler,
         _: &mut [f32],
+        watch: &Watch<'_>,
     ) -> Radiance {
+        let mut edges = WorkLimit::edges(watch);
         let mut path = State {
-            walk: MediumWalk::new(start.ray, start.medium, sampler),
+            walk: MediumWalk::new(start, sampler, watch),
             weights: Weights::new(),
             vertex: start.ray.origin,
             eta: 1.0,
@@ -107,7 +115,7 @@ impl Integrator for VolumePath {
             radiance: Spectrum::ZERO,
             alpha: Alpha::default(),
         };
-        while path.depth < self.parameters.limits.max_depth {
+        while path.depth < self.parameters.limits.max_depth && edges.step() {
             let goes_on = match path.walk.advance(scene, &mut path.weights) {
                 Event::Surface(hit) => self.meet_surface(scene, &mut path, &hit, sampler),
                 Event::Scattering(vertex) => self.scatter(scene, &mut path, vertex, sampler),
@@ -127,8 +135,8 @@ impl Integrator for VolumePath {
 
 impl VolumePath {
     /// Handles a ray that has left the scene.
-    fn escape(&self, scene: &Scene, path: &mut State) {
-        if self.parameters.hide_emitters.at_depth(path.depth).0 {
+    fn escape(&self, scene: &Scene, path: &mut State<'_>) {
+        if self.parameters.hide_emitters.seen_by(path.alpha).0 {
             return;
         }
         for emission in Emission::from_afar(scene, path.walk.ray.direction) {
@@ -139,23 +147,24 @@ impl VolumePath {
 
     /// Adds light that the path has hit.
     #[inline]
-    fn add_emission(&self, scene: &Scene, path: &mut State, emission: &Emission<'_>) {
+    fn add_emission(&self, scene: &Scene, path: &mut State<'_>, emission: &Emission<'_>) {
         let weight = path.weights.of_emission(self.heuristic, || {
             emission.next_event_pdf(scene, path.vertex, path.walk.ray.direction)
         });
-        path.radiance += path.weights.throughput * emission.radiance * weight;
+        let light = path.weights.throughput * emission.radiance * weight;
+        path.radiance += self.parameters.clamp_indirect.apply(light, path.depth);
     }
 
     /// Handles a surface hit; false if the path ends.
     fn meet_surface(
         &self,
         scene: &Scene,
-        path: &mut State,
+        path: &mut State<'_>,
         hit: &Hit,
         sampler: &mut Sampler,
     ) -> bool {
         let surface = scene.interaction(&path.walk.ray, hit);
-        let hide_emitters = self.parameters.hide_emitters.at_depth(path.depth);
+        let hide_emitters = self.parameters.hide_emitters.seen_by(path.alpha);
         if path.sheet.holds(&surface) || hide_emitters.hides(scene, &surface) {
             path.walk.leave(scene, &surface, path.walk.ray.direction);
             return true;
@@ -184,7 +193,7 @@ impl VolumePath {
     fn leave_surface(
         &self,
         scene: &Scene,
-        path: &mut State,
+        path: &mut State<'_>,
         vertex: &SurfaceVertex<'_>,
         numbers: &VertexNumbers<f32>,
     ) -> bool {
@@ -213,7 +222,7 @@ impl VolumePath {
     fn light_surface(
         &self,
         scene: &Scene,
-        path: &mut State,
+        path: &mut State<'_>,
         vertex: &SurfaceVertex<'_>,
         random: Vec2,
     ) {
@@ -229,7 +238,7 @@ impl VolumePath {
     fn scatter(
         &self,
         scene: &Scene,
-        path: &mut State,
+        path: &mut State<'_>,
         vertex: MediumVertex,
         sampler: &mut Sampler,
     ) -> bool {
@@ -264,7 +273,7 @@ impl VolumePath {
     fn connect(
         &self,
         scene: &Scene,
-        path: &mut State,
+        path: &mut State<'_>,
         vertex: Vertex<'_>,
         scattered: &ScatteredLight<'_>,
     ) {
@@ -281,11 +290,17 @@ impl VolumePath {
             scatter_pdf,
             connection.unidirectional_pdf,
         );
-        path.radiance += contribution * connection.transmittance * (weight / light.pdf);
+        let light = contribution * connection.transmittance * (weight / light.pdf);
+        let scattering_count = match vertex {
+            Vertex::Surface(_) => path.depth + 1,
+            // The collision has already been counted.
+            Vertex::Medium(_) => path.depth,
+        };
+        path.radiance += self.parameters.clamp_indirect.apply(light, scattering_count);
     }
 
     /// Russian roulette. As in Mitsuba, it begins one edge later than in `path`.
-    fn survives(&self, path: &mut State, random: f32) -> bool {
+    fn survives(&self, path: &mut State<'_>, random: f32) -> bool {
         if path.depth <= self.parameters.limits.rr_depth {
             return true;
         }

@@ -2,7 +2,7 @@
 
 use etendue_document::{Diagnostics, MemoryResources};
 use etendue_integrators::{
-    CameraRay, Integrator, IntegratorOptions, Radiance, Start, build_integrator,
+    CameraRay, Integrator, IntegratorOptions, Radiance, Start, Watch, build_integrator,
 };
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, read_text};
@@ -90,13 +90,20 @@ fn rays() -> Vec<CameraRay> {
 impl Setup {
     fn together(&self) -> Vec<Radiance> {
         let mut radiance = Vec::new();
-        self.integrator.sample_batch(&self.scene, &mut rays(), &mut [], &mut radiance);
+        self.integrator.sample_batch(
+            &self.scene,
+            &mut rays(),
+            &mut [],
+            &Watch::patient(),
+            &mut radiance,
+        );
         radiance
     }
 
     fn alone(&self) -> Vec<Radiance> {
+        let watch = Watch::patient();
         let sample = |mut ray: CameraRay| {
-            self.integrator.sample(&self.scene, &ray.start, &mut ray.sampler, &mut [])
+            self.integrator.sample(&self.scene, &ray.start, &mut ray.sampler, &mut [], &watch)
         };
         rays().into_iter().map(sample).collect()
     }

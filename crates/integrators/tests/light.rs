@@ -1,7 +1,7 @@
 //! Closed forms: the expected results of rendering simple scenes.
 
 use etendue_document::{Diagnostics, MemoryResources};
-use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
+use etendue_integrators::{Integrator, IntegratorOptions, Start, Watch, build_integrator};
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::{SamplerKind, SamplerSpec};
@@ -46,6 +46,7 @@ impl Setup {
                 &Start { ray, medium: None },
                 &mut sampler,
                 &mut channels,
+                &Watch::patient(),
             );
             accumulator.add(f64::from(radiance.color.luminance()));
         }
@@ -54,7 +55,7 @@ impl Setup {
 }
 
 fn without_emitter_sampling() -> IntegratorOptions {
-    IntegratorOptions { name: None, emitter_sampling: false }
+    IntegratorOptions { emitter_sampling: false, ..IntegratorOptions::default() }
 }
 
 fn path(max_depth: i32) -> String {
@@ -263,7 +264,13 @@ fn layers_hold_what_they_are_named_for() {
     let mut values = vec![0.0; 2 * names.len()];
     let ray = Ray::new(Vec3::Z * 4.0, Vec3::NEG_Z);
     let start = Start { ray, medium: None };
-    let seen = integrator.sample(&scene, &start, &mut spec.start(UVec2::ZERO, 0), &mut values);
+    let seen = integrator.sample(
+        &scene,
+        &start,
+        &mut spec.start(UVec2::ZERO, 0),
+        &mut values,
+        &Watch::patient(),
+    );
     assert!((seen.color.luminance() - 3.0).abs() < 1e-4 && seen.alpha == 1.0);
     let [x, y, z] = rgb_to_xyz([3.0; 3]);
     let expected = [3.0, 3.0, 3.0, 1.0, 3.0, 0.5, 0.5, 0.5, 0.0, 0.0, 1.0, x, y, z, x, y, z];
@@ -290,4 +297,85 @@ fn strict_normals_take_light_away_where_shading_disagrees_with_the_surface() {
     };
     let (strict, usual) = (look(true), look(false));
     assert!(strict < 0.95 * usual, "{strict} and {usual}");
+}
+
+/// A shape that emits light and has no material reflects nothing, as in Mitsuba. Others are grey.
+#[test]
+fn shapes_that_emit_and_have_no_material_are_black() {
+    let shapes =
+        [("cube", 1), ("sphere", 1), ("rectangle", 1), ("disk", 1), ("cylinder", 90)].map(
+            |(shape, angle)| {
+                format!(
+                    r#"<shape type="{shape}"><transform name="to_world"><rotate x="1" angle="{angle}"/></transform>"#
+                )
+            },
+        );
+    let area = r#"<emitter type="area"><rgb name="radiance" value="0.1"/></emitter>"#;
+    let cases = [
+        ("", 0.5),
+        (area, 0.1),
+        (r#"<emitter type="directionalarea"/>"#, 0.0),
+        (&format!(r#"{area}<bsdf type="diffuse"/>"#), 0.6),
+    ];
+    for integrator in ["path", "direct", "volpath"] {
+        for (inside, expected) in cases {
+            for shape in &shapes {
+                let text = format!(
+                    r#"<integrator type="{integrator}"/>{shape}{inside}</shape><emitter type="constant"/>"#
+                );
+                let setup = setup(&text, &IntegratorOptions::default());
+                let found = setup.measure(Vec3::new(0.3, -0.2, 5.0), Vec3::NEG_Z, 500);
+                let tolerance = 5.0 * found.standard_error() + 1e-5;
+                let what = format!("{text}: {}", found.mean());
+                assert!((found.mean() - expected).abs() < tolerance, "{what}");
+            }
+        }
+    }
+}
+
+/// A floor under a square lamp, and under the sky, at scales from atoms to the solar system.
+#[test]
+fn light_does_not_depend_on_the_scale() {
+    let square = r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="180"/><translate z="1"/><scale value="SCALE"/></transform><emitter type="area"/></shape>"#;
+    let floor = r#"<shape type="rectangle"><transform name="to_world"><scale value="100"/><scale value="SCALE"/></transform></shape>"#;
+    let quarter = 0.5_f64.sqrt() * 0.5_f64.sqrt().atan();
+    let cases = [
+        (square, 0.5 * 4.0 / std::f64::consts::PI * quarter),
+        (r#"<emitter type="constant"/>"#, 0.5),
+    ];
+    for (light, expected) in cases {
+        for exponent in -15..=12 {
+            let scale = format!("1e{exponent}");
+            let text = format!("{}{floor}{light}", path(2)).replace("SCALE", &scale);
+            let setup = setup(&text, &IntegratorOptions::default());
+            let origin = Vec3::new(0.0, 0.0, 0.5) * scale.parse::<f32>().expect("a number");
+            let found = setup.measure(origin, Vec3::NEG_Z, 4000);
+            let tolerance = 5.0 * found.standard_error() + 1e-5;
+            let what = format!("{scale} {light}: {} not {expected}", found.mean());
+            assert!((found.mean() - expected).abs() < tolerance, "{what}");
+        }
+    }
+}
+
+/// `clamp_indirect` limits only light that was scattered more than once.
+#[test]
+fn limited_indirect_light_leaves_direct_light_alone() {
+    let text = |integrator: &str, parameters: &str| {
+        format!(
+            r#"<integrator type="{integrator}">{parameters}</integrator><shape type="sphere"><boolean name="flip_normals" value="true"/><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf><emitter type="area"/></shape>"#
+        )
+    };
+    let look = |integrator: &str, parameters: &str| {
+        let setup = setup(&text(integrator, parameters), &IntegratorOptions::default());
+        setup.measure(Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, 0.3, 0.2), 4000)
+    };
+    for integrator in ["path", "volpath", "volpathmis"] {
+        let dark = look(integrator, r#"<float name="clamp_indirect" value="0"/>"#);
+        assert!((dark.mean() - 1.5).abs() < 5.0 * dark.standard_error() + 1e-4, "{integrator}");
+        let limited = look(integrator, r#"<float name="clamp_indirect" value="0.05"/>"#);
+        let whole = look(integrator, "");
+        assert!(dark.mean() < limited.mean() && limited.mean() < whole.mean(), "{integrator}");
+        let unlimited = look(integrator, r#"<float name="clamp_indirect" value="1e6"/>"#);
+        assert_eq!(unlimited.mean(), whole.mean(), "{integrator}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Closed forms: the expected light in participating media.
 
 use etendue_document::{Diagnostics, MemoryResources};
-use etendue_integrators::{Integrator, IntegratorOptions, Start, build_integrator};
+use etendue_integrators::{Integrator, IntegratorOptions, Start, Watch, build_integrator};
 use etendue_math::Ray;
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::{SamplerKind, SamplerSpec};
@@ -51,7 +51,7 @@ fn setup(integrator: &str, text: &str, emitter_sampling: bool) -> Setup {
         .unwrap_or_else(|_| panic!("{:?}", diagnostics.sorted()));
     let scene = build_scene(&document, &resources, &diagnostics, &BuildOptions::default())
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
-    let options = IntegratorOptions { name: None, emitter_sampling };
+    let options = IntegratorOptions { emitter_sampling, ..IntegratorOptions::default() };
     let integrator = build_integrator(&document, &options, &diagnostics)
         .unwrap_or_else(|| panic!("{:?}", diagnostics.sorted()));
     Setup { scene, integrator }
@@ -65,7 +65,13 @@ impl Setup {
         let start = Start { ray, medium: None };
         for index in 0..samples {
             let mut sampler = spec.start(UVec2::new(3, 4), index);
-            let radiance = self.integrator.sample(&self.scene, &start, &mut sampler, &mut []);
+            let radiance = self.integrator.sample(
+                &self.scene,
+                &start,
+                &mut sampler,
+                &mut [],
+                &Watch::patient(),
+            );
             for (channel, value) in channels.iter_mut().zip(radiance.color.rgb()) {
                 channel.add(f64::from(value));
             }
@@ -244,7 +250,8 @@ fn a_ray_may_start_inside() {
     let mut found = [(); 3].map(|()| Accumulator::default());
     for index in 0..20_000 {
         let mut sampler = spec.start(UVec2::ZERO, index);
-        let radiance = setup.integrator.sample(&setup.scene, &start, &mut sampler, &mut []);
+        let radiance =
+            setup.integrator.sample(&setup.scene, &start, &mut sampler, &mut [], &Watch::patient());
         found.iter_mut().zip(radiance.color.rgb()).for_each(|(sum, value)| sum.add(value.into()));
     }
     assert_close("inside", &found, [0.3, 1.0, 2.5].map(|sigma: f64| (-sigma).exp()));

@@ -7,7 +7,7 @@
 
 use etendue_document::{Class, Diagnostics, Document, MemoryResources, ResourceError, Resources};
 use etendue_integrators::{
-    CameraRay, Integrator, IntegratorOptions, Radiance, Start, build_integrator,
+    CameraRay, Integrator, IntegratorOptions, Radiance, Start, Watch, build_integrator,
 };
 use etendue_mitsuba::{LoadOptions, read_file, read_text};
 use etendue_scene::sensor::SensorRay;
@@ -78,14 +78,15 @@ impl Setup {
 
     /// Renders both ways; returns the fraction of rays that found light.
     fn assert_same(&self, what: &str, columns: u32) -> f32 {
+        let watch = Watch::patient();
         let mut wavefront = Vec::new();
         let mut rays = self.rays(columns);
-        self.integrator.sample_batch(&self.scene, &mut rays, &mut [], &mut wavefront);
+        self.integrator.sample_batch(&self.scene, &mut rays, &mut [], &watch, &mut wavefront);
         let scalar: Vec<Radiance> = self
             .rays(columns)
             .iter_mut()
             .map(|CameraRay { start, sampler }| {
-                self.integrator.sample(&self.scene, start, sampler, &mut [])
+                self.integrator.sample(&self.scene, start, sampler, &mut [], &watch)
             })
             .collect();
         assert_eq!(wavefront.len(), scalar.len(), "{what}");
@@ -123,6 +124,7 @@ const PARAMETERS: &[&str] = &[
     r#"<integer name="max_depth" value="5"/><boolean name="strict_normals" value="true"/>
        <boolean name="hide_emitters" value="true"/>"#,
     r#"<integer name="max_depth" value="1"/>"#,
+    r#"<float name="clamp_indirect" value="0.2"/>"#,
 ];
 
 const CAMERA: &str = r#"<sensor type="perspective"><transform name="to_world">
@@ -165,7 +167,7 @@ fn assert_same_light(what: &str, body: &str) {
             );
             let diagnostics = Diagnostics::new();
             let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics).ok();
-            let options = IntegratorOptions { name: None, emitter_sampling };
+            let options = IntegratorOptions { emitter_sampling, ..IntegratorOptions::default() };
             let setup = setup(document, &resources, &options, &diagnostics);
             lit += setup.assert_same(&format!("{what}, {parameters}, {emitter_sampling}"), 16);
         }
@@ -227,6 +229,29 @@ fn assert_same_scene(path_of_scene: &Path, columns: u32) {
     let setup = setup(document, &Files, &path(), &diagnostics);
     let lit = setup.assert_same(&path_of_scene.display().to_string(), columns);
     assert!(lit > 0.1, "{}: hardly any light", path_of_scene.display());
+}
+
+/// Triangles of any size, whose normals leave the range of single precision on the way.
+#[test]
+fn huge_and_tiny_triangles_look_the_same() {
+    for exponent in [-15, -12, -10, -6, 6, 9, 10, 12] {
+        let text = r#"<scene version="3.0.0"><integrator type="path"/><sensor type="perspective">
+            <float name="near_clip" value="0"/><float name="far_clip" value="1e17"/><transform name="to_world">
+            <lookat origin="1.5, 2, 3.6" target="0, 0.2, 0" up="0, 1, 0"/><scale value="SCALE"/></transform></sensor>
+            <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/>
+            <scale value="SCALE"/></transform><emitter type="area"/></shape>
+            <shape type="cube"><transform name="to_world"><scale value="0.6"/><rotate x="1" y="1" angle="30"/>
+            <scale value="SCALE"/></transform></shape>
+            <shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/>
+            <translate y="-1"/><scale value="SCALE"/></transform></shape></scene>"#
+        .replace("SCALE", &format!("1e{exponent}"));
+        let diagnostics = Diagnostics::new();
+        let resources = MemoryResources::default();
+        let document = read_text(&text, &resources, &LoadOptions::default(), &diagnostics).ok();
+        let setup = setup(document, &resources, &path(), &diagnostics);
+        let lit = setup.assert_same(&format!("1e{exponent}"), 16);
+        assert!(lit > 0.2, "1e{exponent}: {lit}");
+    }
 }
 
 #[test]

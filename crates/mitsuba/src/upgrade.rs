@@ -9,6 +9,7 @@ mod bsdf;
 mod emitter;
 mod entries;
 mod film;
+mod idle;
 mod integrator;
 mod layers;
 mod left_out;
@@ -77,6 +78,7 @@ pub(crate) fn upgrade(
             }
             _ => {}
         }
+        idle::drop_idle(&mut nodes[index]);
     }
     let mut replaced = HashSet::new();
     for index in 0..nodes.len() {

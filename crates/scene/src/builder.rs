@@ -15,6 +15,7 @@ pub use input::{BuildOptions, Identity, SceneInput};
 
 use crate::bsdf::BSDFS;
 use crate::bsdf::Material;
+use crate::bsdf::diffuse::Diffuse;
 use crate::cache::AssetCache;
 use crate::emitter::EMITTERS;
 use crate::emitter::{Emitter, read_sampling_weight};
@@ -34,7 +35,9 @@ use crate::shape::Geometry;
 use crate::texture::TEXTURES;
 use crate::texture::Texture;
 use crate::volume::Volume;
-use etendue_document::{Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources};
+use etendue_document::{
+    Child, Class, Diagnostics, Document, Fault, NodeId, Parameters, Resources, Span,
+};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -86,6 +89,7 @@ pub fn gather_scene(
     parts.sensors = builder.sensors(&root, sensors);
     builder.connect_attributes(&mut parts.shapes);
     let parts = Parts { emitters: builder.emitters(&root, parts.emitters), ..parts };
+    builder.warn_of_unmeasured(&parts.emitters);
     builder.check_integrators(&root);
     builder.unused_nodes(&root);
     root.finish();
@@ -122,6 +126,9 @@ pub struct Builder<'a> {
     phases_built: HashMap<NodeId, Option<PhaseFunction>>,
     volumes_built: HashMap<NodeId, Option<Volume>>,
     default_material: Option<MaterialId>,
+    black_material: Option<MaterialId>,
+    /// The irradiance meters so far.
+    irradiance_meters: Vec<Span>,
     /// The emitters and sensors that shapes refer to, once asked for.
     attached_to_shapes: Option<HashSet<NodeId>>,
     /// Whether any texture reads mesh attributes.
@@ -147,6 +154,8 @@ impl<'a> Builder<'a> {
             phases_built: HashMap::new(),
             volumes_built: HashMap::new(),
             default_material: None,
+            black_material: None,
+            irradiance_meters: Vec::new(),
             attached_to_shapes: None,
             has_attribute_textures: assets
                 .document
@@ -189,13 +198,21 @@ impl<'a> Builder<'a> {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// The material of shapes without one: grey, diffuse.
-    fn default_material(&mut self) -> MaterialId {
-        if let Some(id) = self.default_material {
+    /// The material of shapes without one: grey and diffuse, or black if they emit light, as in
+    /// Mitsuba.
+    fn default_material(&mut self, emitter: Option<&Child>) -> MaterialId {
+        let (known, diffuse) = match emitter {
+            None => (self.default_material, Diffuse::default()),
+            Some(_) => (self.black_material, Diffuse::BLACK),
+        };
+        if let Some(id) = known {
             return id;
         }
-        let id = self.add_material(Material::Diffuse(crate::bsdf::diffuse::Diffuse::default()));
-        self.default_material = Some(id);
+        let id = self.add_material(Material::Diffuse(diffuse));
+        match emitter {
+            None => self.default_material = Some(id),
+            Some(_) => self.black_material = Some(id),
+        }
         id
     }
 
@@ -271,12 +288,28 @@ impl<'a> Builder<'a> {
         // Report errors of the sensor even if its film has errors as well.
         let some_film = film.clone().unwrap_or_default();
         let sensor = match shape {
-            Some(shape) => find(SHAPE_SENSORS, &parameters)?(&parameters, &some_film, shape)?,
+            Some(shape) => {
+                self.irradiance_meters.push(parameters.span());
+                find(SHAPE_SENSORS, &parameters)?(&parameters, &some_film, shape)?
+            }
             None => find(SENSORS, &parameters)?(self, &parameters, &some_film)?,
         };
         let id = parameters.id().map(str::to_owned);
         parameters.finish();
         Some(SensorSetup { id, sensor, film: film?, sampler: sampler?, medium })
+    }
+
+    /// Warns about irradiance meters in scenes with light that no ray from them can hit.
+    fn warn_of_unmeasured(&self, emitters: &[Emitter]) {
+        let Some(delta) = emitters.iter().find(|emitter| emitter.is_delta()) else { return };
+        for &span in &self.irradiance_meters {
+            let message = format!(
+                "the light of `{}` reaches this meter only after it has been scattered: the meter sends \
+                 rays, which cannot hit such an emitter",
+                delta.kind()
+            );
+            self.assets.diagnostics.warning(Fault::Approximation, span, message);
+        }
     }
 
     /// A sensor on the film of another one. Its own film and sampler are ignored.

@@ -83,6 +83,11 @@ pub(crate) trait Light {
         false
     }
 
+    /// See [`Emitter::is_delta`].
+    fn is_delta(&self) -> bool {
+        false
+    }
+
     /// See [`Emitter::sample_direction`].
     fn sample_direction(
         &self,
@@ -115,6 +120,9 @@ pub(crate) trait Light {
     /// See [`Emitter::sample_ray`].
     fn sample_ray(&self, scene: &impl SceneView, place: Vec2, direction: Vec2)
     -> Option<RaySample>;
+
+    /// Whether it is certain that there is no light. Textures are not looked at.
+    fn is_black(&self) -> bool;
 
     /// How lanes sample this emitter; one by one by default.
     fn in_lanes(&self, _shapes: &[Shape]) -> LaneEmitter {
@@ -354,6 +362,18 @@ impl Emitter {
     #[must_use]
     pub fn is_out_of_gamut(&self) -> bool {
         with_light!(self, light => light.is_out_of_gamut())
+    }
+
+    /// Whether it is certain that the emitter has no light.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        with_light!(self, light => light.is_black())
+    }
+
+    /// Whether only emitter sampling finds the light: rays cannot hit it.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        with_light!(self, light => light.is_delta())
     }
 
     /// How lanes sample this emitter.

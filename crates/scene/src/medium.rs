@@ -157,13 +157,8 @@ impl Common {
         let scale = parameters.float_in("scale", 1.0, 0.0..=MAX_SCALE) as f32;
         let sample_emitters = parameters.boolean("sample_emitters", true);
         let phase = read_phase(builder, parameters);
-        let albedo = albedo?;
-        let [low, high] = albedo.range();
-        if low < 0.0 {
-            parameters.error(Fault::BadValue, "albedo", "the albedo is negative in places");
-            return None;
-        }
-        if high > 1.0 {
+        let albedo = without_negative(parameters, "albedo", albedo?)?;
+        if albedo.range()[1] > 1.0 {
             let message = "the albedo is above 1 in places: it is limited to 1";
             parameters.warning(Fault::BadValue, "albedo", message);
         }
@@ -187,9 +182,27 @@ fn read_phase(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<
 /// The extinction, with checked values; `None` after an error has been reported.
 fn read_extinction(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Volume> {
     let volume = builder.volume_or_color(parameters, "sigma_t", 1.0, SpectrumUse::Unbounded)?;
-    if volume.range()[0] < 0.0 {
-        parameters.error(Fault::BadValue, "sigma_t", "the extinction is negative in places");
+    without_negative(parameters, "sigma_t", volume)
+}
+
+/// The greatest share of a volume's maximum by which its values may fall below zero. Simulations and
+/// filters undershoot a little; anything more is a mistake.
+const UNDERSHOOT: f32 = 0.1;
+
+/// A volume whose values are slightly negative in places counts as zero there, with a warning; `None`
+/// after reporting values that are clearly negative.
+fn without_negative(parameters: &Parameters<'_>, name: &str, volume: Volume) -> Option<Volume> {
+    let [low, high] = volume.range();
+    if low >= 0.0 {
+        return Some(volume);
+    }
+    if -low > UNDERSHOOT * high || volume.as_constant().is_some() {
+        let message = format!("`{name}` is negative in places, down to {low}");
+        parameters.error(Fault::BadValue, name, message);
         return None;
     }
-    Some(volume)
+    let message =
+        format!("`{name}` is slightly negative in places, down to {low}: it counts as 0 there");
+    parameters.warning(Fault::BadValue, name, message);
+    Some(volume.without_negative())
 }

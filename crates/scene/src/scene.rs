@@ -329,6 +329,12 @@ impl Scene {
         &self.emitters
     }
 
+    /// Whether there may be any light.
+    #[must_use]
+    pub fn has_light(&self) -> bool {
+        self.emitters.iter().any(|emitter| !emitter.is_black())
+    }
+
     /// Chooses emitters if they do not have equal probabilities.
     pub(crate) fn emitter_table(&self) -> Option<&AliasTable> {
         self.emitter_table.as_ref()

@@ -288,6 +288,12 @@ impl Geometry {
         with_shape!(self, shape => ShapeModel::primitive_boxes(shape))
     }
 
+    /// The surface area; zero for shapes that cannot be sampled as lights.
+    #[must_use]
+    pub(crate) fn area(&self) -> f32 {
+        with_shape!(self, shape => ShapeModel::area(shape))
+    }
+
     /// The number of triangles or other primitives.
     #[must_use]
     pub fn primitive_count(&self) -> usize {

@@ -185,6 +185,12 @@ impl ColorSource {
         matches!(self, Self::Constant(_))
     }
 
+    /// Whether the colour is constant and black.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        matches!(self, Self::Constant(color) if color.is_black())
+    }
+
     /// The mean colour over the unit square of `uv`.
     #[must_use]
     pub fn mean(&self, textures: Textures<'_>) -> Spectrum {

@@ -143,6 +143,15 @@ impl Volume {
         with_volume!(self, volume => volume.channels())
     }
 
+    /// The volume with zero in place of negative values.
+    #[must_use]
+    pub(crate) fn without_negative(self) -> Self {
+        match self {
+            Self::Grid(grid) => Self::Grid(Arc::new(grid.without_negative())),
+            constant @ Self::Constant(_) => constant,
+        }
+    }
+
     /// The grid, if the volume is one.
     #[must_use]
     pub fn grid(&self) -> Option<&Arc<gridvolume::GridVolume>> {

@@ -237,6 +237,7 @@ impl Host<'_> {
         let (status, rendering) = self.write(run, &writer, statistics);
         report::clamped(&rendering);
         replay::report(&rendering.statistics.defects);
+        report::long_paths(&rendering.statistics);
         if status == Status::Success && !arguments.scene.quiet {
             report::written(&rendering, run.outputs);
         }

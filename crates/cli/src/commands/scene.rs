@@ -36,6 +36,10 @@ pub(crate) struct SceneArguments {
     /// Turn off emitter sampling, for comparison
     #[arg(long)]
     no_emitter_sampling: bool,
+    /// Limit what one vertex of a path may add of light that was scattered more than once. Fewer
+    /// bright single pixels, but a picture that is too dark
+    #[arg(long, value_name = "RADIANCE", value_parser = parsers::radiance)]
+    clamp_indirect: Option<f32>,
     /// Treat unknown parameters as errors
     #[arg(long)]
     strict: bool,
@@ -156,6 +160,7 @@ impl SceneArguments {
             integrator: IntegratorOptions {
                 name: self.integrator.clone(),
                 emitter_sampling: !self.no_emitter_sampling,
+                clamp_indirect: self.clamp_indirect,
             },
             strict: self.strict,
             lenient: self.lenient,

@@ -82,3 +82,42 @@ fn a_render_under_nohup_survives_the_terminal() {
     send("-HUP", &child);
     assert_eq!(finish(child).code, Some(0));
 }
+
+/// Mirrors all around the camera: without roulette, a path never leaves.
+const HALL_OF_MIRRORS: &str = r#"<scene version="3.0.0"><integrator type="path">
+    <integer name="rr_depth" value="2000000000"/></integrator>
+    <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="256"/>
+    <integer name="height" value="256"/></film></sensor><shape type="cube"><transform name="to_world">
+    <scale value="10"/></transform><boolean name="flip_normals" value="true"/>
+    <bsdf type="conductor"/></shape><emitter type="point"/></scene>"#;
+
+#[test]
+fn endless_paths_end_with_the_time() {
+    let workplace = Workplace::new();
+    std::fs::write(workplace.path("mirrors.xml"), HALL_OF_MIRRORS).unwrap();
+    let started = Instant::now();
+    let outcome = workplace.succeed(&[
+        "render",
+        "mirrors.xml",
+        "--time",
+        "1s",
+        "--no-checkpoint",
+        "-o",
+        "a.exr",
+    ]);
+    assert!(started.elapsed() < Duration::from_secs(60), "{:?}", started.elapsed());
+    assert!(outcome.stderr.contains("some pixels have no sample"), "{}", outcome.stderr);
+}
+
+#[test]
+fn endless_paths_end_with_a_signal() {
+    let workplace = Workplace::new();
+    std::fs::write(workplace.path("mirrors.xml"), HALL_OF_MIRRORS).unwrap();
+    let mut command = workplace.command(&["render", "mirrors.xml", "-o", "a.exr"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_until_rendering();
+    send("-TERM", &child);
+    let sent = Instant::now();
+    assert_eq!(finish(child).code, Some(143));
+    assert!(sent.elapsed() < Duration::from_secs(10), "{:?}", sent.elapsed());
+}

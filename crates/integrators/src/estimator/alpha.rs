@@ -24,6 +24,13 @@ impl Alpha {
         }
     }
 
+    /// Whether the path still continues the camera ray: it has passed straight through surfaces at
+    /// most.
+    #[inline(always)]
+    pub(crate) fn is_camera_ray(self) -> bool {
+        self.0 == 0.0
+    }
+
     /// The alpha value.
     #[inline]
     pub(crate) fn value(self) -> f32 {

@@ -1,5 +1,6 @@
 //! `hide_emitters`: the camera does not see emitters.
 
+use super::alpha::Alpha;
 use etendue_scene::{Scene, SurfaceInteraction};
 
 /// Whether rays pass through emitters: with `hide_emitters`, camera rays do.
@@ -7,10 +8,11 @@ use etendue_scene::{Scene, SurfaceInteraction};
 pub(crate) struct HideEmitters(pub(crate) bool);
 
 impl HideEmitters {
-    /// The rule for a path of `depth` edges: only the camera ray ignores emitters.
+    /// The rule for a path with this alpha: only the camera ray ignores emitters, also behind
+    /// surfaces that it passes straight through.
     #[inline(always)]
-    pub(crate) fn at_depth(self, depth: u32) -> Self {
-        Self(self.0 && depth == 0)
+    pub(crate) fn seen_by(self, alpha: Alpha) -> Self {
+        Self(self.0 && alpha.is_camera_ray())
     }
 
     /// Whether rays pass through this surface.

@@ -1,6 +1,6 @@
 //! Connections to emitters: the transmittance through media and null surfaces.
 
-use super::walk::{MediumWalk, medium_beyond, transmittance};
+use super::walk::{MediumWalk, Tentative, medium_beyond, transmittance};
 use crate::estimator::ThinSheet;
 use etendue_math::{Ray, offset_ray_origin};
 use etendue_scene::emitter::DirectionSample;
@@ -30,8 +30,8 @@ pub(crate) struct Connection {
 }
 
 /// A connection that is being traced.
-struct Tracer<'a> {
-    walk: &'a mut MediumWalk,
+struct Tracer<'a, 'w> {
+    walk: &'a mut MediumWalk<'w>,
     connection: Connection,
     sheet: ThinSheet,
 }
@@ -54,7 +54,7 @@ impl Connection {
         scene: &Scene,
         vertex: Vertex<'_>,
         light: &DirectionSample,
-        walk: &mut MediumWalk,
+        walk: &mut MediumWalk<'_>,
     ) -> Option<Self> {
         let mut medium = match vertex {
             Vertex::Medium(_) => walk.medium,
@@ -64,6 +64,9 @@ impl Connection {
         let connection = Self { transmittance: Spectrum::ONE, unidirectional_pdf: Spectrum::ONE };
         let mut tracer = Tracer { walk, connection, sheet: ThinSheet::default() };
         loop {
+            if !tracer.walk.step() {
+                return None;
+            }
             let hit = scene.closest_hit(&ray);
             // Surfaces block most connections and cost less than media.
             let surface = hit.map(|hit| scene.interaction(&ray, &hit));
@@ -84,7 +87,7 @@ const FAINT: f32 = 0.05;
 /// The survival probability of faint connections.
 const SURVIVAL: f32 = 0.25;
 
-impl Tracer<'_> {
+impl Tracer<'_, '_> {
     fn pass_surface(&mut self, scene: &Scene, surface: &SurfaceInteraction) -> Option<()> {
         if self.sheet.holds(surface) {
             return Some(());
@@ -118,7 +121,12 @@ impl Tracer<'_> {
     fn ratio_track(&mut self, medium: &Medium, density: &Heterogeneous, ray: &Ray) -> Option<()> {
         let wi = -ray.direction;
         let mut tracker = density.track(ray);
-        while let Some(collision) = tracker.advance(self.walk.sample_optical_depth()) {
+        loop {
+            let collision = match self.walk.collide(&mut tracker) {
+                Tentative::Collision(collision) => collision,
+                Tentative::None => return Some(()),
+                Tentative::TooMany => return None,
+            };
             let interaction = MediumInteraction { point: ray.at(collision.t), wi };
             let extinction = medium.coefficients(&interaction).extinction;
             let null = Spectrum::ONE - (extinction / collision.majorant).min(Spectrum::ONE);
@@ -135,13 +143,14 @@ impl Tracer<'_> {
                 self.connection.transmittance *= 1.0 / SURVIVAL;
             }
         }
-        Some(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrator::Start;
+    use crate::watch::Watch;
     use etendue_document::{Diagnostics, MemoryResources};
     use etendue_mitsuba::{LoadOptions, read_text};
     use etendue_sampling::{SamplerKind, SamplerSpec};
@@ -199,7 +208,8 @@ mod tests {
         let mut found = [(); 3].map(|()| Accumulator::default());
         for index in 0..count {
             let sampler = spec.start(UVec2::ZERO, index);
-            let mut walk = MediumWalk::new(ray, medium, &sampler);
+            let watch = Watch::patient();
+            let mut walk = MediumWalk::new(&Start { ray, medium }, &sampler, &watch);
             let passed = Connection::new(&scene, Vertex::Medium(start), &light, &mut walk)
                 .map_or(Spectrum::ZERO, |connection| connection.transmittance);
             found.iter_mut().zip(passed.rgb()).for_each(|(sum, value)| sum.add(value.into()));

@@ -1,9 +1,11 @@
 //! Medium walks: where a path collides next.
 
 use super::weights::{Step, Weights};
+use crate::integrator::Start;
+use crate::watch::{Watch, WorkLimit};
 use etendue_math::Ray;
 use etendue_sampling::Sampler;
-use etendue_scene::medium::{Density, Heterogeneous, Homogeneous, Medium};
+use etendue_scene::medium::{Collision, Density, Heterogeneous, Homogeneous, Medium, Tracker};
 use etendue_scene::phase::MediumInteraction;
 use etendue_scene::{Hit, MediumId, Scene, SurfaceInteraction};
 use etendue_spectrum::Spectrum;
@@ -30,8 +32,8 @@ pub(crate) struct MediumVertex {
 }
 
 /// A ray and the medium it is in.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MediumWalk {
+#[derive(Clone, Copy)]
+pub(crate) struct MediumWalk<'a> {
     pub(crate) ray: Ray,
     pub(crate) medium: Option<MediumId>,
     /// The random numbers for distances. They are separate from those of the vertices, whose
@@ -39,6 +41,18 @@ pub(crate) struct MediumWalk {
     sampler: Sampler,
     /// The colour channel that distances are sampled for.
     channel: usize,
+    /// The tentative collisions that the path may still have.
+    collisions: WorkLimit<'a>,
+}
+
+/// The next tentative collision along a ray.
+pub(super) enum Tentative {
+    /// The ray may collide here.
+    Collision(Collision),
+    /// The ray leaves the medium.
+    None,
+    /// The path has reached its limit.
+    TooMany,
 }
 
 /// The medium around a ray, with the kind of its density.
@@ -52,13 +66,14 @@ struct Passed<'a, D> {
 /// Vertices use the dimensions below this one, distances those above.
 const FIRST_DIMENSION: u32 = 1 << 24;
 
-impl MediumWalk {
-    pub(crate) fn new(ray: Ray, medium: Option<MediumId>, sampler: &Sampler) -> Self {
+impl<'a> MediumWalk<'a> {
+    pub(crate) fn new(start: &Start, sampler: &Sampler, watch: &'a Watch<'a>) -> Self {
         let mut sampler = *sampler;
         sampler.set_dimension(FIRST_DIMENSION);
         let channels = Spectrum::LANES;
         let channel = ((sampler.next_1d() * channels as f32) as usize).min(channels - 1);
-        Self { ray, medium, sampler, channel }
+        let collisions = WorkLimit::collisions(watch);
+        Self { ray: start.ray, medium: start.medium, sampler, channel, collisions }
     }
 
     /// Leaves a surface towards `direction`.
@@ -124,7 +139,12 @@ impl MediumWalk {
         let hit = scene.closest_hit(&self.ray);
         let t_max = hit.map_or(self.ray.t_max, |hit| hit.t);
         let mut tracker = density.track(&Ray { t_max, ..self.ray });
-        while let Some(found) = tracker.advance(self.sample_optical_depth()) {
+        loop {
+            let found = match self.collide(&mut tracker) {
+                Tentative::Collision(found) => found,
+                Tentative::None => return at_end(hit),
+                Tentative::TooMany => return Event::End,
+            };
             let point = self.ray.at(found.t);
             let interaction = MediumInteraction { point, wi: -self.ray.direction };
             let coefficients = medium.coefficients(&interaction);
@@ -140,12 +160,27 @@ impl MediumWalk {
                 return Event::End;
             }
         }
-        at_end(hit)
+    }
+
+    /// The next tentative collision.
+    #[inline]
+    pub(super) fn collide(&mut self, tracker: &mut Tracker<'_>) -> Tentative {
+        match tracker.advance(self.sample_optical_depth()) {
+            None => Tentative::None,
+            Some(_) if !self.step() => Tentative::TooMany,
+            Some(collision) => Tentative::Collision(collision),
+        }
+    }
+
+    /// Counts a collision, or a surface that a connection passes; false at the limit.
+    #[inline]
+    pub(super) fn step(&mut self) -> bool {
+        self.collisions.step()
     }
 
     /// A random optical depth, exponentially distributed with rate one.
     #[inline]
-    pub(super) fn sample_optical_depth(&mut self) -> f32 {
+    fn sample_optical_depth(&mut self) -> f32 {
         -(1.0 - self.sampler.next_1d()).ln()
     }
 

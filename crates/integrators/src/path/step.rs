@@ -24,6 +24,8 @@ pub(super) struct PathState {
     /// See [`PathWeight`].
     pub(super) eta: f32,
     pub(super) sheet: ThinSheet,
+    /// How many times the path has been scattered.
+    pub(super) scattering_count: u32,
     pub(super) radiance: Spectrum,
     pub(super) alpha: Alpha,
 }
@@ -51,6 +53,7 @@ impl PathState {
             throughput: Spectrum::ONE,
             eta: 1.0,
             sheet: ThinSheet::default(),
+            scattering_count: 0,
             radiance: Spectrum::ZERO,
             alpha: Alpha::default(),
         }
@@ -61,6 +64,8 @@ impl PathState {
     pub(super) fn advance(&mut self, next: NextVertex) -> Ray {
         if next.null {
             self.sheet.enter(next.shape, next.vertex.point);
+        } else {
+            self.scattering_count += 1;
         }
         (self.vertex, self.throughput, self.eta) = (next.vertex, next.throughput, next.eta);
         next.ray
@@ -96,23 +101,22 @@ impl<'a> Step<'a> {
     /// Skips a hit that does not count: on a hidden emitter, or on the other face of a thin sheet.
     #[inline(always)]
     pub(super) fn skip_hits(&self, path: &mut PathState, ray: &mut Ray, hit: &mut Option<Hit>) {
-        let hide_emitters = self.parameters.hide_emitters.at_depth(self.depth);
-        if path.sheet.is_entered() {
+        let hide_emitters = self.parameters.hide_emitters.seen_by(path.alpha);
+        if path.sheet.is_entered() || hide_emitters.0 {
             let mut sheet = std::mem::take(&mut path.sheet);
-            skip_hits(self.scene, ray, hit, &mut |surface| sheet.holds(surface));
-        } else if hide_emitters.0 {
             skip_hits(self.scene, ray, hit, &mut |surface| {
-                hide_emitters.hides(self.scene, surface)
+                sheet.holds(surface) || hide_emitters.hides(self.scene, surface)
             });
         }
     }
 
     /// Handles a path whose ray has left the scene.
     pub(super) fn escape(&self, path: &mut PathState, ray: &Ray) {
-        if self.parameters.hide_emitters.at_depth(self.depth).0 {
+        if self.parameters.hide_emitters.seen_by(path.alpha).0 {
             return;
         }
-        path.radiance += path.throughput * distant(self.scene, ray.direction, &path.vertex);
+        let light = path.throughput * distant(self.scene, ray.direction, &path.vertex);
+        path.radiance += self.parameters.clamp_indirect.apply(light, path.scattering_count);
         path.alpha.escape(self.scene, self.parameters.hide_emitters);
     }
 
@@ -124,8 +128,14 @@ impl<'a> Step<'a> {
         surface: &SurfaceInteraction,
         ray: &Ray,
     ) {
-        path.radiance +=
-            path.throughput * emitted(self.scene, surface, ray.direction, &path.vertex);
+        let light = path.throughput * emitted(self.scene, surface, ray.direction, &path.vertex);
+        path.radiance += self.parameters.clamp_indirect.apply(light, path.scattering_count);
+    }
+
+    /// Limits an emitter's light that the path's vertex reflects, if it is indirect.
+    #[inline(always)]
+    pub(super) fn limit_reflected(&self, path: &PathState, light: Spectrum) -> Spectrum {
+        self.parameters.clamp_indirect.apply(light, path.scattering_count + 1)
     }
 
     /// Whether paths end at the surfaces they hit now.

@@ -14,6 +14,7 @@ use super::step::{PathState, Step};
 use crate::estimator::{ProposedLight, VertexNumbers};
 use crate::integrator::{CameraRay, Radiance};
 use crate::parameters::PathParameters;
+use crate::watch::{Watch, WorkLimit};
 use etendue_math::Ray;
 use etendue_math::lanes::MAX_LANES;
 use etendue_scene::emitter::DirectionSample;
@@ -112,11 +113,12 @@ impl<'a> Wavefront<'a> {
     }
 
     /// Traces all paths to their ends.
-    pub(super) fn trace(mut self) -> impl Iterator<Item = Radiance> {
+    pub(super) fn trace(mut self, watch: &Watch<'_>) -> impl Iterator<Item = Radiance> {
         if self.parameters.limits.max_depth == 0 {
             self.active.clear();
         }
-        while !self.active.is_empty() {
+        let mut edges = WorkLimit::edges(watch);
+        while !self.active.is_empty() && edges.step_together(self.active.len()) {
             self.hits.clear();
             self.scene.closest_hits(&self.rays, &mut self.hits);
             self.skip_hits();
@@ -207,7 +209,9 @@ impl<'a> Wavefront<'a> {
         batch.scatter(step);
         for place in batch.lit_places() {
             let path = batch.paths[place];
-            self.pending.keep(path, batch.light_choice(place), batch.proposed_light(place));
+            let mut light = batch.proposed_light(place);
+            light.radiance = step.limit_reflected(&self.paths[path], light.radiance);
+            self.pending.keep(path, batch.light_choice(place), light);
         }
         for place in batch.covered_places() {
             self.paths[batch.paths[place]].alpha.cover();
@@ -276,7 +280,7 @@ impl<'a> Wavefront<'a> {
                 && bsdf.has_smooth_lobe()
                 && let Some(mut light) = step.next_event().reflect_at_hit(surface, &bsdf, light)
             {
-                light.radiance = path.throughput * light.radiance;
+                light.radiance = step.limit_reflected(path, path.throughput * light.radiance);
                 self.pending.keep(*index, numbers.light.x, light);
             }
             let continuation = step.sample_direction(path, surface, &bsdf, numbers);

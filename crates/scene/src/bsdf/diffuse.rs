@@ -55,6 +55,11 @@ pub struct Diffuse {
     reflectance: ColorSource,
 }
 
+impl Diffuse {
+    /// Scatters nothing.
+    pub(crate) const BLACK: Self = Self { reflectance: ColorSource::Constant(Spectrum::ZERO) };
+}
+
 impl Default for Diffuse {
     fn default() -> Self {
         Self { reflectance: ColorSource::Constant(Spectrum::splat(0.5)) }
@@ -181,7 +186,7 @@ mod tests {
         );
         assert_finds(
             r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5, -0.5, 0.5"/></bsdf>"#,
-            Severity::Error,
+            Severity::Warning,
             Fault::BadValue,
             "negative",
         );

@@ -113,9 +113,16 @@ struct Rates {
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Principled> {
     let metallic = fraction(builder, parameters, "metallic", 0.0);
     let base = BaseParameters::read(builder, parameters, metallic);
+    let eta = relative_index(parameters, base.transmits());
+    if eta == 1.0 && !matches!(metallic, ScalarSource::Constant(0.0)) {
+        let name = if parameters.has("eta") { "eta" } else { "specular" };
+        let message =
+            "with an index of refraction of 1, the metallic part reflects nothing, as in Mitsuba";
+        parameters.warning(Fault::BadValue, name, message);
+    }
     Some(Principled {
         base,
-        eta: relative_index(parameters, base.transmits()),
+        eta,
         clearcoat: strength(builder, parameters, "clearcoat"),
         clearcoat_gloss: fraction(builder, parameters, "clearcoat_gloss", 0.0),
         rates: Rates {

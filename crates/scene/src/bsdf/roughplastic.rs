@@ -10,7 +10,7 @@ use crate::interaction::SurfaceInteraction;
 use crate::lanes::{HitClosure, LaneClosure, SampleLanes, columns};
 use crate::manual::{Manual, ParameterManual};
 use crate::models::bsdf_inputs::{
-    ColorShift, coated_base, distribution, reflectance, rough_relative_index, scalar_within,
+    ColorShift, coated_base, distribution, reflectance, rough_relative_index, roughness,
     specular_probability,
 };
 use crate::models::coat::{Coat, CoatTable, Coats};
@@ -103,7 +103,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<R
 
 /// The coat's table holds one roughness. For a texture it uses the mean, with a warning.
 fn constant_alpha(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> f32 {
-    match scalar_within(builder, parameters, "alpha", 0.1, 0.0..=1e4) {
+    match roughness(builder, parameters, "alpha") {
         ScalarSource::Constant(alpha) => alpha,
         source @ ScalarSource::Texture(_) => {
             let message = "`alpha` cannot vary over this material: the texture's mean is taken";

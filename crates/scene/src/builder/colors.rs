@@ -47,11 +47,16 @@ impl Builder<'_> {
             parameters.error(Fault::BadValue, name, "the colour is not finite");
             return None;
         }
-        if color.has_negative() {
+        if !color.has_negative() {
+            return Some(ColorSource::Constant(color));
+        }
+        if !is_limited_below(usage) {
             parameters.error(Fault::BadValue, name, "the colour has a negative component");
             return None;
         }
-        Some(ColorSource::Constant(color))
+        let message = "the colour has a negative component, which counts as 0";
+        parameters.warning(Fault::BadValue, name, message);
+        Some(ColorSource::Constant(color.max(Spectrum::ZERO)))
     }
 
     /// A colour parameter that cannot be a texture.
@@ -184,6 +189,12 @@ impl Builder<'_> {
     }
 }
 
+/// Whether negative values count as zero. Measured data are sometimes slightly negative; negative
+/// light is a mistake.
+fn is_limited_below(usage: SpectrumUse) -> bool {
+    matches!(usage, SpectrumUse::Reflectance | SpectrumUse::MeasuredIndex)
+}
+
 /// The colour of a measured spectrum. Reports values that the conversion would clamp silently:
 /// negative ones, and reflectances above one.
 fn sampled_color(
@@ -193,12 +204,17 @@ fn sampled_color(
     usage: SpectrumUse,
 ) -> Option<Spectrum> {
     if sampled.values().iter().any(|value| *value < 0.0) {
-        parameters.error(Fault::BadValue, name, "the spectrum has a negative value");
-        return None;
+        if !is_limited_below(usage) {
+            parameters.error(Fault::BadValue, name, "the spectrum has a negative value");
+            return None;
+        }
+        let message = "the spectrum has a negative value: its colour is limited to 0";
+        parameters.warning(Fault::BadValue, name, message);
     }
     if usage == SpectrumUse::Reflectance && sampled.values().iter().any(|value| *value > 1.0) {
         let message = "the spectrum is above 1 in places: its colour is limited to 1";
         parameters.warning(Fault::BadValue, name, message);
     }
-    Some(Spectrum::from_rgb(sampled.to_rgb(usage)))
+    let color = Spectrum::from_rgb(sampled.to_rgb(usage));
+    Some(if is_limited_below(usage) { color.max(Spectrum::ZERO) } else { color })
 }

@@ -78,12 +78,14 @@ impl<'a> Builder<'a> {
 
     fn add_shape(&mut self, loaded: LoadedShape<'_>, parts: &mut Parts) {
         let LoadedShape { parameters, geometry } = loaded;
-        let material = self.shape_material(&parameters);
+        let emitter = parameters.unnamed_child(Class::Emitter);
+        let material = self.shape_material(&parameters, emitter);
         let Some(Made { value: mut geometry, digest }) = geometry else { return };
         self.keep_attributes(&parameters, &mut geometry);
         let id = ShapeId(parts.shapes.len() as u32);
-        let emitter = self.shape_emitter(&parameters, id).map(|emitter| {
+        let emitter = emitter.and_then(|child| self.shape_emitter(child, id)).map(|emitter| {
             geometry.prepare_sampling();
+            self.warn_if_not_sampled(&parameters, &geometry);
             if let (Geometry::Mesh(mesh), Emitter::Area(area)) = (&mut geometry, &emitter) {
                 area.let_follow(mesh, &self.textures);
             }
@@ -103,18 +105,34 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn shape_material(&mut self, parameters: &Parameters<'_>) -> MaterialId {
+    /// Warns about a light that emitter sampling cannot find.
+    fn warn_if_not_sampled(&self, parameters: &Parameters<'_>, geometry: &Geometry) {
+        if geometry.area() > 0.0 {
+            return;
+        }
+        let message = format!(
+            "a `{}` that emits light is not sampled: only rays that hit it by chance find its light, \
+             which is noisy",
+            parameters.plugin()
+        );
+        self.assets.diagnostics.warning(Fault::Approximation, parameters.span(), message);
+    }
+
+    fn shape_material(
+        &mut self,
+        parameters: &Parameters<'_>,
+        emitter: Option<&Child>,
+    ) -> MaterialId {
         let children = parameters.children_of(Class::Bsdf);
         if let [_, second, ..] = children.as_slice() {
             let message = "a shape has one material: this one is left out";
             self.assets.diagnostics.warning(Fault::BadValue, second.span, message);
         }
         let first = children.first().and_then(|child| self.material(child.node));
-        first.unwrap_or_else(|| self.default_material())
+        first.unwrap_or_else(|| self.default_material(emitter))
     }
 
-    fn shape_emitter(&mut self, parameters: &Parameters<'_>, shape: ShapeId) -> Option<Emitter> {
-        let child = parameters.unnamed_child(Class::Emitter)?;
+    fn shape_emitter(&mut self, child: &Child, shape: ShapeId) -> Option<Emitter> {
         let parameters = self.parameters(child.node);
         if is_outside_shapes(&parameters) {
             return None;

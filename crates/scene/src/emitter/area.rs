@@ -181,6 +181,10 @@ impl Area {
 }
 
 impl Light for Area {
+    fn is_black(&self) -> bool {
+        self.radiance.is_black()
+    }
+
     #[inline(always)]
     fn sample_direction(
         &self,

@@ -77,6 +77,10 @@ pub(crate) fn light_from_everywhere<R: Real>(
 const DENSITY: f32 = 1.0 / (4.0 * PI);
 
 impl Light for Constant {
+    fn is_black(&self) -> bool {
+        self.radiance.is_black()
+    }
+
     fn is_environment(&self) -> bool {
         true
     }

@@ -67,6 +67,14 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<D
 }
 
 impl Light for Directional {
+    fn is_delta(&self) -> bool {
+        true
+    }
+
+    fn is_black(&self) -> bool {
+        self.irradiance.is_black()
+    }
+
     fn sample_direction(
         &self,
         _scene: &impl SceneView,

@@ -61,6 +61,14 @@ pub fn build(
 }
 
 impl Light for DirectionalArea {
+    fn is_delta(&self) -> bool {
+        true
+    }
+
+    fn is_black(&self) -> bool {
+        self.exitance.is_black()
+    }
+
     /// The probability that a point sees such light is zero.
     fn sample_direction(
         &self,

@@ -11,7 +11,7 @@ use crate::manual::{Manual, parameter};
 #[cfg(test)]
 use crate::testing::emitter_cases::Cases;
 use etendue_document::{Fault, Parameters};
-use etendue_image::Bitmap;
+use etendue_image::{Bitmap, Samples};
 use etendue_math::Transform;
 use etendue_sampling::Distribution2D;
 use etendue_spectrum::Spectrum;
@@ -77,8 +77,8 @@ struct Panorama {
     texels: Vec<[f32; 3]>,
     /// Whether colours of wider primaries became negative in those of BT.709.
     is_out_of_gamut: bool,
-    /// Over cells whose corners are four neighbouring texels.
-    distribution: Distribution2D,
+    /// Over cells whose corners are four neighbouring texels; `None` if all of them are black.
+    distribution: Option<Distribution2D>,
 }
 
 /// Reads the image and prepares its sampling.
@@ -94,7 +94,7 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<E
 fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Panorama> {
     let scale = parameters.float_in("scale", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
     let in_memory = parameters.has("data");
-    let (name, bitmap) = if in_memory {
+    let (name, mut bitmap) = if in_memory {
         ("`data`".to_owned(), picture_in_memory::read(parameters)?)
     } else {
         read_file(assets, parameters)?
@@ -103,42 +103,63 @@ fn read_picture(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<Pano
     for warning in &bitmap.warnings {
         parameters.warning(Fault::Unsupported, source, format!("{name}: {warning}"));
     }
-    // The light of the file must not be negative, but its colours may be beyond those of BT.709.
-    let is_wide = bitmap.to_bt709.is_some() && !has_negative_color(&bitmap);
+    if let Some(problem) = mend(&mut bitmap) {
+        parameters.warning(Fault::BadValue, source, format!("{name}: {problem}"));
+    }
     let image = bitmap.to_color_image();
     let size = [image.width as usize, image.height as usize];
-    let texels = image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
+    let texels: Vec<[f32; 3]> =
+        image.pixels.into_iter().map(|texel| texel.map(|x| x * scale)).collect();
     let compensation = match parameters.boolean("mis_compensation", false) {
         true => Compensation::AboveMean,
         false => Compensation::None,
     };
-    let gamut = if is_wide { Gamut::Wide } else { Gamut::Bt709 };
-    let picture = Panorama::new(size, texels, compensation, gamut);
+    let picture = Panorama::new(size, texels, compensation);
     if picture.is_none() {
-        let message =
-            format!("{name}: the picture must hold finite values of zero or more, and some light");
+        let message = format!("{name}: the picture is too bright for single precision");
         parameters.error(Fault::BadValue, source, message);
     }
     picture
 }
 
-/// Whether a colour of the file is negative in its own primaries.
-fn has_negative_color(bitmap: &Bitmap) -> bool {
-    let values = bitmap.to_raw();
-    let mut pixels = values.chunks_exact(bitmap.channels.max(1) as usize);
-    pixels.any(|pixel| pixel.iter().take(3).any(|value| *value < 0.0))
-}
-
-/// Which values the colours of a picture have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Gamut {
-    /// Zero or more.
-    Bt709,
-    /// Negative ones too, for colours beyond the primaries of BT.709.
-    Wide,
-}
 /// The memory of a texel: its colour, twice while the map is built, and its weight in the tables.
 const BYTES_PER_TEXEL: u64 = 2 * 12 + 8;
+
+/// What stands for an infinite texel: the greatest half float, because most infinities come from
+/// numbers beyond it.
+const BRIGHTEST: f32 = 65504.0;
+
+/// Replaces texels that are not finite or negative, and says which; `None` if there are none. The
+/// texels are those of the file: in the primaries of BT.709, colours beyond them are negative.
+fn mend(bitmap: &mut Bitmap) -> Option<String> {
+    if matches!(bitmap.samples, Samples::U8(_) | Samples::U16(_)) {
+        return None;
+    }
+    let channels = bitmap.channels as usize;
+    let color_count = if bitmap.has_alpha() { channels - 1 } else { channels };
+    let mut values = bitmap.to_raw();
+    let is_sound = |value: &f32| value.is_finite() && *value >= 0.0;
+    let texels = values.chunks_exact(channels).map(|texel| &texel[..color_count]).enumerate();
+    let mut broken = texels.filter(|(_, texel)| !texel.iter().all(is_sound));
+    let (first, texel) = broken.next()?;
+    let more = match broken.count() {
+        0 => String::new(),
+        count => format!(", and {count} others are broken too"),
+    };
+    let width = bitmap.width as usize;
+    let (x, y) = (first % width, first / width);
+    let texel = texel.iter().map(f32::to_string).collect::<Vec<_>>().join(", ");
+    let problem = format!(
+        "texel {x}, {y} is {texel}{more}: NaN and negative values count as 0, infinity as {BRIGHTEST}"
+    );
+    for texel in values.chunks_exact_mut(channels) {
+        for value in texel[..color_count].iter_mut().filter(|value| !is_sound(value)) {
+            *value = if *value == f32::INFINITY { BRIGHTEST } else { 0.0 };
+        }
+    }
+    bitmap.samples = Samples::F32(values);
+    Some(problem)
+}
 
 /// The image of the file and the file's name; `None` after an error has been reported.
 fn read_file(assets: &Assets<'_>, parameters: &Parameters<'_>) -> Option<(String, Bitmap)> {
@@ -179,6 +200,10 @@ fn compensated(cells: &[(f32, f32)]) -> Vec<f32> {
 }
 
 impl Light for EnvironmentMap {
+    fn is_black(&self) -> bool {
+        self.picture.distribution.is_none()
+    }
+
     fn is_environment(&self) -> bool {
         true
     }
@@ -225,12 +250,13 @@ impl Panorama {
         [width, height]: [usize; 2],
         texels: Vec<[f32; 3]>,
         compensation: Compensation,
-        gamut: Gamut,
     ) -> Option<Self> {
-        let has_negative = texels.iter().flatten().any(|value| *value < 0.0);
-        let is_finite = texels.iter().flatten().all(|value| value.is_finite());
-        if !is_finite || has_negative && gamut == Gamut::Bt709 {
+        if texels.iter().flatten().any(|value| !value.is_finite()) {
             return None;
+        }
+        let is_out_of_gamut = texels.iter().flatten().any(|value| *value < 0.0);
+        if texels.iter().flatten().all(|value| *value == 0.0) {
+            return Some(Self { width, height, texels, is_out_of_gamut, distribution: None });
         }
         // Colours beyond those of real lights may have a negative luminance.
         let luminance = texels.iter().map(|texel| Spectrum::from_rgb(*texel).luminance().max(0.0));
@@ -258,7 +284,7 @@ impl Panorama {
             Compensation::AboveMean => compensated(&cells),
         };
         let distribution = Distribution2D::new(&weights, (width as u32, rows as u32)).ok()?;
-        Some(Self { width, height, texels, is_out_of_gamut: has_negative, distribution })
+        Some(Self { width, height, texels, is_out_of_gamut, distribution: Some(distribution) })
     }
 }
 
@@ -293,7 +319,7 @@ impl EnvironmentMap {
 
     /// Samples a direction of incoming light.
     fn sample(&self, random: Vec2) -> Option<DirectionSample> {
-        let (cell, density) = self.picture.distribution.sample(random);
+        let (cell, density) = self.picture.distribution.as_ref()?.sample(random);
         let (sin_azimuth, cos_azimuth) =
             ((cell.x + 0.5 / self.picture.width as f32) * TAU).sin_cos();
         let (sin_theta, cos_theta) = (cell.y * PI).sin_cos();
@@ -313,10 +339,12 @@ impl EnvironmentMap {
     fn pdf(&self, direction: Vec3) -> f32 {
         let cell = self.cell_coordinates(direction);
         let sin_theta = (cell.y * PI).sin();
-        if sin_theta <= 0.0 {
-            return 0.0;
+        match &self.picture.distribution {
+            Some(distribution) if sin_theta > 0.0 => {
+                distribution.pdf(cell) / (2.0 * PI * PI * sin_theta)
+            }
+            _ => 0.0,
         }
-        self.picture.distribution.pdf(cell) / (2.0 * PI * PI * sin_theta)
     }
 }
 
@@ -367,11 +395,40 @@ mod tests {
     }
 
     #[test]
-    fn dark_and_broken_pictures_are_refused() {
-        for value in [0.0, f32::NAN, -1.0, f32::INFINITY] {
-            let texels = vec![[value; 3]; 4];
-            assert!(Panorama::new([2, 2], texels, Compensation::None, Gamut::Bt709).is_none());
+    fn broken_texels_are_replaced_and_named() {
+        let picture = |texels: &[[f32; 3]]| Bitmap {
+            width: 3,
+            height: 2,
+            channels: 3,
+            samples: Samples::F32(texels.as_flattened().to_vec()),
+            ..Bitmap::default()
+        };
+        let mut texels = vec![[0.5; 3]; 6];
+        assert_eq!(mend(&mut picture(&texels)), None);
+        texels[4] = [f32::INFINITY, f32::NAN, -1.0];
+        texels[5][0] = f32::NEG_INFINITY;
+        let mut broken = picture(&texels);
+        let problem = mend(&mut broken).expect("a problem");
+        assert!(problem.contains("texel 1, 1 is inf, NaN, -1, and 1 others"), "{problem}");
+        let mended = [[0.5; 3], [BRIGHTEST, 0.0, 0.0], [0.0, 0.5, 0.5]];
+        assert_eq!(broken.to_raw()[9..], *mended.as_flattened());
+    }
+
+    #[test]
+    fn a_black_picture_is_never_sampled() {
+        for compensation in [Compensation::None, Compensation::AboveMean] {
+            let picture =
+                Panorama::new([2, 2], vec![[0.0; 3]; 4], compensation).expect("a picture");
+            let map = EnvironmentMap { to_world: Transform::IDENTITY, picture: Arc::new(picture) };
+            assert!(map.is_black() && map.sample(Vec2::splat(0.5)).is_none());
+            assert_eq!((map.pdf(Vec3::X), map.radiance(Vec3::X)), (0.0, Spectrum::ZERO));
         }
+    }
+
+    #[test]
+    fn pictures_beyond_single_precision_are_refused() {
+        let texels = vec![[f32::MAX; 3]; 4];
+        assert!(Panorama::new([2, 2], texels, Compensation::None).is_none());
     }
 
     #[test]

@@ -58,6 +58,14 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
 }
 
 impl Light for Point {
+    fn is_delta(&self) -> bool {
+        true
+    }
+
+    fn is_black(&self) -> bool {
+        self.intensity.is_black()
+    }
+
     fn sample_direction(
         &self,
         _scene: &impl SceneView,

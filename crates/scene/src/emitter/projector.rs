@@ -84,6 +84,14 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<P
 }
 
 impl Light for Projector {
+    fn is_delta(&self) -> bool {
+        true
+    }
+
+    fn is_black(&self) -> bool {
+        self.scale == 0.0 || self.irradiance.is_black()
+    }
+
     fn sample_direction(
         &self,
         scene: &impl SceneView,

@@ -26,7 +26,7 @@ pub const MANUAL: Manual = Manual {
             "cutoff_angle",
             "float",
             "20",
-            "Beyond this angle from the axis there is no light (degrees).",
+            "Beyond this angle from the axis there is no light (degrees; up to 180).",
         ),
         parameter(
             "beam_width",
@@ -52,6 +52,8 @@ pub(crate) const CASES: Cases = Cases {
     extreme: &[
         r#"<emitter type="spot"><float name="cutoff_angle" value="0.01"/><float name="beam_width" value="0"/></emitter>"#,
         r#"<emitter type="spot"><float name="cutoff_angle" value="89.99"/></emitter>"#,
+        r#"<emitter type="spot"><float name="cutoff_angle" value="180"/></emitter>"#,
+        r#"<emitter type="spot"><float name="cutoff_angle" value="10"/><float name="beam_width" value="90"/></emitter>"#,
     ],
 };
 
@@ -70,11 +72,12 @@ pub struct Spot {
 pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<Spot> {
     let intensity = builder.constant_color(parameters, "intensity", 1.0, SpectrumUse::Emission);
     let texture = builder.color(parameters, "texture", 1.0, SpectrumUse::Unbounded);
-    let cutoff_angle = parameters.float_in("cutoff_angle", 20.0, 1e-3..90.0);
-    let beam_width = parameters.float_in("beam_width", 0.75 * cutoff_angle, 0.0..=90.0);
+    let cutoff_angle = parameters.float_in("cutoff_angle", 20.0, 1e-3..=MAX_ANGLE);
+    let cutoff_angle = limit_picture(parameters, &texture, cutoff_angle);
+    let beam_width = parameters.float_in("beam_width", 0.75 * cutoff_angle, 0.0..=MAX_ANGLE);
     if beam_width > cutoff_angle {
-        parameters.error(Fault::BadValue, "beam_width", "the beam is wider than the cutoff angle");
-        return None;
+        let message = "the beam is wider than the cutoff angle: it ends there without a falloff";
+        parameters.warning(Fault::BadValue, "beam_width", message);
     }
     Some(Spot {
         to_world: read_transform(parameters, "to_world")?,
@@ -85,7 +88,33 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<S
     })
 }
 
+/// A full circle. Angles of 180° and more are all around.
+const MAX_ANGLE: f64 = 360.0;
+/// The widest cone that a picture is projected into, in degrees.
+const MAX_PICTURE_ANGLE: f64 = 89.0;
+
+/// The cutoff angle of a light that may have a picture, which lies in a plane in front of it.
+fn limit_picture(parameters: &Parameters<'_>, texture: &ColorSource, cutoff_angle: f64) -> f64 {
+    if texture.is_constant() || cutoff_angle <= MAX_PICTURE_ANGLE {
+        return cutoff_angle;
+    }
+    let message = format!(
+        "a picture cannot fill a cone of {cutoff_angle}°: the cutoff angle is limited to \
+         {MAX_PICTURE_ANGLE}°"
+    );
+    parameters.warning(Fault::Approximation, "cutoff_angle", message);
+    MAX_PICTURE_ANGLE
+}
+
 impl Light for Spot {
+    fn is_delta(&self) -> bool {
+        true
+    }
+
+    fn is_black(&self) -> bool {
+        self.intensity.is_black()
+    }
+
     fn sample_direction(
         &self,
         scene: &impl SceneView,
@@ -106,7 +135,7 @@ impl Light for Spot {
         _place: Vec2,
         direction: Vec2,
     ) -> Option<RaySample> {
-        let cone = warp::uniform_cone::one_minus_cosine(self.cutoff_angle);
+        let cone = warp::uniform_cone::one_minus_cosine(self.cutoff_angle.min(PI));
         let local = warp::uniform_cone::sample(direction, cone);
         let intensity = self.intensity_towards(scene.textures(), local);
         let direction = self.to_world.vector(local).try_normalize()?;

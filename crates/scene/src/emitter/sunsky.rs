@@ -236,6 +236,10 @@ fn read_sun_direction(parameters: &Parameters<'_>, to_world: &Transform) -> Opti
 }
 
 impl Light for SunSky {
+    fn is_black(&self) -> bool {
+        false
+    }
+
     fn is_environment(&self) -> bool {
         true
     }

@@ -39,11 +39,14 @@ pub struct Heterogeneous {
     extinction: Volume,
     albedo: Volume,
     scale: f32,
+    /// The greatest extinction, for microflakes of projected area one.
+    limit: f32,
     majorants: Majorants,
 }
 
-/// A medium with more collisions across it would render too slowly.
-const SLOW_COLLISIONS: f32 = 1e5;
+/// The greatest number of mean free paths across a medium. Light enters denser matter by less than a
+/// hundred-thousandth of its size, and the number of collisions would have no bound.
+const MAX_MEAN_FREE_PATHS: f32 = 1e5;
 
 /// Reads the medium.
 #[must_use]
@@ -52,19 +55,24 @@ pub fn build(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Option<M
     let extinction = read_extinction(builder, parameters)?;
     let Common { albedo, scale, phase, sample_emitters } = common?;
     let majorants = Majorants::new(&extinction, scale * phase.greatest_area());
-    let thickness = majorants.greatest() * extinction.bounds().extent().length();
+    let size = extinction.bounds().extent().length();
+    let thickness = majorants.greatest() * size;
     if !thickness.is_finite() {
         let message = "the extinction is beyond what single precision can hold";
         parameters.error(Fault::BadValue, "sigma_t", message);
         return None;
     }
-    if thickness > SLOW_COLLISIONS {
+    let mut limit = f32::INFINITY;
+    if thickness > MAX_MEAN_FREE_PATHS {
+        limit = MAX_MEAN_FREE_PATHS / (size * phase.greatest_area());
         let message = format!(
-            "light meets this medium up to {thickness:.0e} times on its way across, which takes very long"
+            "light would meet this medium up to {thickness:.0e} times on its way across: its \
+             extinction is limited to {limit:.3e}"
         );
-        parameters.warning(Fault::BadValue, "sigma_t", message);
+        parameters.warning(Fault::Approximation, "sigma_t", message);
     }
-    let medium = Heterogeneous { extinction, albedo, scale, majorants };
+    let majorants = majorants.limited(limit * phase.greatest_area());
+    let medium = Heterogeneous { extinction, albedo, scale, limit, majorants };
     Some(Medium { density: Density::Heterogeneous(Box::new(medium)), phase, sample_emitters })
 }
 
@@ -73,7 +81,7 @@ impl Heterogeneous {
     #[inline]
     #[must_use]
     pub fn extinction(&self, point: Vec3) -> Spectrum {
-        self.extinction.eval(point) * self.scale
+        (self.extinction.eval(point) * self.scale).min(Spectrum::splat(self.limit))
     }
 
     /// The albedo at a point.

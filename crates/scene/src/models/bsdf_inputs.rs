@@ -128,6 +128,24 @@ pub(crate) fn rough_relative_index(
     Some(eta)
 }
 
+/// A roughness. Values above one are kept, with a warning: they are often meant as a percentage or an
+/// exponent.
+pub(crate) fn roughness(
+    builder: &mut Builder<'_>,
+    parameters: &Parameters<'_>,
+    name: &str,
+) -> ScalarSource {
+    let source = scalar_within(builder, parameters, name, 0.1, 0.0..=1e4);
+    if let ScalarSource::Constant(alpha) = source
+        && alpha > 1.0
+    {
+        let message =
+            format!("`{name}` is {alpha}: a roughness is from 0 to 1, and more is duller still");
+        parameters.warning(Fault::BadValue, name, message);
+    }
+    source
+}
+
 /// The roughness of a microfacet surface: `alpha`, `alpha_u`, `alpha_v`, `distribution` and
 /// `sample_visible`.
 #[derive(Clone, Copy, Debug)]
@@ -142,7 +160,7 @@ impl Roughness {
     /// Reads the parameters. The roughness along each axis may be textured.
     pub(crate) fn read(builder: &mut Builder<'_>, parameters: &Parameters<'_>) -> Self {
         let (distribution, sampling) = distribution(parameters);
-        let mut read = |name: &str| scalar_within(builder, parameters, name, 0.1, 0.0..=1e4);
+        let mut read = |name: &str| roughness(builder, parameters, name);
         let (alpha_u, alpha_v) = if parameters.has("alpha_u") || parameters.has("alpha_v") {
             for name in ["alpha_u", "alpha_v"] {
                 if !parameters.has(name) {

@@ -58,15 +58,7 @@ pub struct Tracker<'a> {
     block: IVec3,
     step: IVec3,
     blocks: Option<&'a Blocks>,
-    /// The number of collisions left.
-    left: u32,
 }
-
-/// The limit of collisions along one ray. A majorant far above all real values, as in a file with
-/// one absurd value, would make the walk almost endless. Beyond this limit the rest of the medium
-/// counts as empty, so that every ray terminates. The limit still allows a hundred thousand mean
-/// free paths.
-const MOST_COLLISIONS: u32 = 1 << 20;
 
 /// Grid cells per bound along each axis; more in large grids.
 const BLOCK: i32 = 4;
@@ -84,6 +76,15 @@ impl Majorants {
         };
         let greatest = extinction.range()[1] * scale;
         Self { bounds: extinction.bounds(), greatest, blocks }
+    }
+
+    /// The bounds if the extinction is limited.
+    pub(crate) fn limited(mut self, limit: f32) -> Self {
+        self.greatest = self.greatest.min(limit);
+        for value in self.blocks.iter_mut().flat_map(|blocks| &mut blocks.values) {
+            *value = value.min(limit);
+        }
+        self
     }
 
     pub(crate) fn greatest(&self) -> f32 {
@@ -108,7 +109,6 @@ impl Majorants {
             block: IVec3::ZERO,
             step: IVec3::ZERO,
             blocks: None,
-            left: MOST_COLLISIONS,
         };
         if let Some(blocks) = &self.blocks
             && tracker.end > 0.0
@@ -212,7 +212,6 @@ impl<'a> Tracker<'a> {
             let exit = self.next.min_element().min(self.end);
             let depth = self.majorant * (exit - self.t);
             if rest < depth {
-                self.left = self.left.checked_sub(1)?;
                 let t = self.t + rest / self.majorant;
                 // Advance even if the step is too short for single precision.
                 self.t = if t > self.t { t } else { next_up(self.t) };

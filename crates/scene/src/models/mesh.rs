@@ -20,7 +20,7 @@ use etendue_sampling::{AliasTable, warp};
 use glam::{Vec2, Vec3};
 use parallelogram::{Coordinates, MappedParallelogram};
 use std::sync::Arc;
-use triangle::{Corners, Place, TrianglePoint, weights};
+use triangle::{Corners, MIN_SQUARED_LENGTH, Place, TrianglePoint, weights};
 
 /// A mesh in world space, with the data for sampling points on it. Clones share its arrays.
 ///
@@ -205,7 +205,7 @@ impl Mesh {
     fn triangle_areas(&self) -> impl Iterator<Item = f32> + '_ {
         (0..self.indices.len()).map(|triangle| {
             let [a, b, c] = self.corners(triangle);
-            0.5 * (b - a).cross(c - a).length()
+            0.5 * parallelogram_area(b - a, c - a)
         })
     }
 
@@ -344,6 +344,15 @@ impl Mesh {
             pdf: 1.0 / self.area,
         }
     }
+}
+
+/// The area of the parallelogram with these edges, whatever their length.
+pub(crate) fn parallelogram_area(a: Vec3, b: Vec3) -> f32 {
+    let squared = a.cross(b).length_squared();
+    if squared.is_finite() && squared > MIN_SQUARED_LENGTH {
+        return squared.sqrt();
+    }
+    a.as_dvec3().cross(b.as_dvec3()).length() as f32
 }
 
 /// Selects a triangle, and returns the unused part of the two random numbers. One number has enough

@@ -4,6 +4,7 @@ use super::{ShapeModel, ShapeSample, SurfacePoint};
 use crate::builder::Assets;
 use crate::inputs::transform::read_transform;
 use crate::manual::{Manual, parameter};
+use crate::models::mesh::parallelogram_area;
 use etendue_bvh::{Hit, PrimitiveHit};
 use etendue_document::Parameters;
 use etendue_math::{Bounds3, Ray, Transform, rounding_error_bound};
@@ -66,10 +67,10 @@ impl ShapeModel for Disk {
 
 impl Disk {
     fn new(to_world: Transform, to_local: DAffine3, flip_normals: bool) -> Self {
-        let across = to_world.vector(Vec3::X).cross(to_world.vector(Vec3::Y));
+        let square = parallelogram_area(to_world.vector(Vec3::X), to_world.vector(Vec3::Y));
         let normal = to_world.normal(Vec3::Z).normalize_or(Vec3::Z);
         let normal = if flip_normals { -normal } else { normal };
-        Self { to_world, to_local, normal, area: PI * across.length() }
+        Self { to_world, to_local, normal, area: PI * square }
     }
 
     /// The distance at which the ray hits the disk, and the local x and y there.

@@ -19,7 +19,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 pub const MANUAL: Manual = Manual {
     summary: "The surface where a signed distance, given at the points of a grid in a `.vol` file of one \
               channel, is zero. The grid's corners lie at those of the unit cube. Distances grow \
-              outwards. There are no surface coordinates, and the shape cannot be a light.",
+              outwards. There are no surface coordinates. As a light it is found by chance only.",
     parameters: &[
         parameter("filename", "string", "", "The file."),
         parameter(
@@ -102,7 +102,7 @@ fn interpolate(corners: &[f64; 8], at: DVec3) -> f64 {
 
 impl ShapeModel for SdfGrid {
     fn bounds(&self) -> Bounds3 {
-        super::union(self.boxes())
+        self.voxels.iter().map(|&voxel| self.voxel_box(voxel)).fold(Bounds3::EMPTY, Bounds3::union)
     }
 
     fn primitive_boxes(&self) -> Vec<Bounds3> {
@@ -325,16 +325,18 @@ impl SdfGrid {
     /// The bounding box of each voxel that the surface passes through.
     #[must_use]
     pub fn boxes(&self) -> Vec<Bounds3> {
-        let boxed = |least: &u32| {
-            let low = DVec3::from_array(self.place(*least).map(f64::from));
-            let corners = (0..8_u32).map(|i| {
-                let offset = DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
-                self.to_world.transform_point3(low + offset).as_vec3()
-            });
-            let bounds = Bounds3::from_points(corners);
-            Bounds3::new(bounds.min.map(f32::next_down), bounds.max.map(f32::next_up))
-        };
-        self.voxels.iter().map(boxed).collect()
+        self.voxels.iter().map(|&voxel| self.voxel_box(voxel)).collect()
+    }
+
+    /// The bounding box of the voxel with this minimum corner.
+    fn voxel_box(&self, least: u32) -> Bounds3 {
+        let low = DVec3::from_array(self.place(least).map(f64::from));
+        let corners = (0..8_u32).map(|i| {
+            let offset = DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
+            self.to_world.transform_point3(low + offset).as_vec3()
+        });
+        let bounds = Bounds3::from_points(corners);
+        Bounds3::new(bounds.min.map(f32::next_down), bounds.max.map(f32::next_up))
     }
 
     /// The number of voxels that the surface passes through.

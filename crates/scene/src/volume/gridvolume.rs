@@ -239,6 +239,12 @@ impl GridVolume {
         }
     }
 
+    /// The grid with zero in place of negative values.
+    pub(crate) fn without_negative(&self) -> Self {
+        let values = self.values.iter().map(|value| value.max(0.0)).collect();
+        Self { values, range: self.range.map(|bound| bound.max(0.0)), ..self.clone() }
+    }
+
     /// The colour at a world-space point: grey for one value per cell, the first three of six.
     #[inline]
     #[must_use]

@@ -125,9 +125,14 @@ fn rays_that_miss_or_end_before_meet_nothing() {
 }
 
 #[test]
-fn a_majorant_without_measure_comes_to_an_end() {
-    let majorants = Majorants::new(&Volume::constant(Spectrum::ONE), 1e30);
-    let mut tracker = majorants.track(&Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::Z));
-    let count = (0..2 * MOST_COLLISIONS).take_while(|_| tracker.advance(1.0).is_some()).count();
-    assert_eq!(count as u32, MOST_COLLISIONS);
+fn limited_bounds_are_the_lesser_ones() {
+    let volume = volume([5, 9, 2]);
+    let (majorants, limited) =
+        (Majorants::new(&volume, 2.0), Majorants::new(&volume, 2.0).limited(0.7));
+    assert!(majorants.greatest() > 0.7);
+    assert_eq!(limited.greatest(), 0.7);
+    let blocks = |majorants: &Majorants| majorants.blocks.clone().expect("a grid").values;
+    for (value, limited) in blocks(&majorants).into_iter().zip(blocks(&limited)) {
+        assert_eq!(limited, value.min(0.7));
+    }
 }

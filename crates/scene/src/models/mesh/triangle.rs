@@ -61,6 +61,29 @@ pub(super) fn weights<R: Real>(barycentric: Vector2<R>) -> [R; 3] {
     [-x + 1.0 - y, x, y]
 }
 
+/// Below this squared length of the cross product of two edges, rounding to denormal numbers spoils
+/// the result.
+pub(super) const MIN_SQUARED_LENGTH: f32 = 1e-36;
+
+/// The unit normal of a triangle with these two edges, whatever its size; +z if it has no area.
+#[inline(always)]
+fn unit_normal<R: Real>(edges: [Vector3<R>; 2]) -> Vector3<R> {
+    let normal = edges[0].cross(edges[1]);
+    let squared_length = normal.length_squared();
+    let unit = normal * squared_length.sqrt().reciprocal();
+    let safe = squared_length.above(MIN_SQUARED_LENGTH) & squared_length.is_finite();
+    if safe.all() { unit } else { Vector3::select(safe, unit, unit_normal_of_scaled(edges)) }
+}
+
+/// The unit normal of a triangle whose edges are so long or so short that the squares of their
+/// products leave the range of single precision.
+#[cold]
+fn unit_normal_of_scaled<R: Real>(edges: [Vector3<R>; 2]) -> Vector3<R> {
+    let [a, b] = edges.map(|edge| edge * edge.abs().max_element().reciprocal());
+    let (zero, one) = (a.x.zero(), a.x.like(1.0));
+    a.cross(b).normalize_or(Vector3::new(zero, zero, one))
+}
+
 impl<R: Real> Corners<R> {
     /// The point with the given barycentric coordinates.
     #[inline(always)]
@@ -68,9 +91,7 @@ impl<R: Real> Corners<R> {
         let weights = weights(barycentric);
         let (point, error) = interpolate(self.positions, weights);
         let edges = self.edges();
-        let (zero, one) = (point.x.zero(), point.x.like(1.0));
-        let up = Vector3::new(zero, zero, one);
-        let normal = edges[0].cross(edges[1]).normalize_or(up) * self.orientation;
+        let normal = unit_normal(edges) * self.orientation;
         Place { point, error, normal, shading_normal: self.shading_normal(weights, normal) }
     }
 
