@@ -57,6 +57,9 @@ pub trait Integrator: Send + Sync {
         let channel_count = self.channels().len();
         radiance.extend(rays.iter_mut().enumerate().map(
             |(index, CameraRay { start, sampler })| {
+                if watch.is_abandoned() {
+                    return Radiance::NONE;
+                }
                 let channels = &mut channels[index * channel_count..(index + 1) * channel_count];
                 self.sample(scene, start, sampler, channels, watch)
             },

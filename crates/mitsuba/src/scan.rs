@@ -97,11 +97,11 @@ impl<'a> Scanner<'a> {
             let length = rest.find(['[', '>', '\n']).unwrap_or(rest.len());
             let message = "a DOCTYPE is not accepted, nor are the entities it could declare";
             return Err(self.refuse(Fault::Unsupported, message.to_owned(), length));
-        } else if rest.starts_with("</") {
+        } else if let Some(closed) = rest.strip_prefix("</") {
             self.depth = self.depth.saturating_sub(1);
             self.skip_past(">");
             self.note_break(self.position);
-            self.note_end(rest[2..].starts_with(self.root_name()));
+            self.note_end(closed.starts_with(self.root_name()));
         } else {
             self.opening_tag()?;
         }
