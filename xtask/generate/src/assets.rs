@@ -5,15 +5,19 @@
 //! a committed file differs from its generated content. Large files go to `scenes/NAME/generated`,
 //! which git ignores.
 
+mod bear;
 mod chess;
 mod drape;
 mod implicit;
+mod meadow;
 mod noise;
 mod paint;
 mod patch;
 mod pictures;
 mod reference_scenes;
+mod room;
 mod sculptures;
+mod seaside;
 mod solids;
 mod sprig;
 mod studios;
@@ -72,6 +76,15 @@ const COMMITTED: &[Asset] = &[
     asset("scenes/cosmetics/leaves.ply", sprig::leaves),
     asset("scenes/cosmetics/stem.ply", sprig::stem),
     asset("scenes/cosmetics/studio.exr", studios::bright),
+    asset("scenes/cups/backdrop.ply", sculptures::backdrop),
+    asset("scenes/cups/studio.exr", studios::bright),
+    asset("scenes/fur/backdrop.ply", sculptures::backdrop),
+    asset("scenes/fur/studio.exr", studios::bright),
+    asset("scenes/interior/curtain.ply", room::curtain),
+    asset("scenes/interior/cushion.ply", seaside::cushion),
+    asset("scenes/interior/leaves.ply", sprig::leaves),
+    asset("scenes/interior/painting.png", room::painting),
+    asset("scenes/interior/stem.ply", sprig::stem),
     asset("scenes/plastics/backdrop.ply", sculptures::backdrop),
     asset("scenes/plastics/knot.ply", sculptures::knot),
     asset("scenes/rough-metals/backdrop.ply", sculptures::backdrop),
@@ -81,6 +94,12 @@ const COMMITTED: &[Asset] = &[
     asset("scenes/textures/bricks-height.png", pictures::bricks_height),
     asset("scenes/textures/holes.png", pictures::holes),
     asset("scenes/textures/wood.png", pictures::wood),
+    asset("scenes/villa/boards.png", seaside::boards),
+    asset("scenes/villa/cushion.ply", seaside::cushion),
+    asset("scenes/villa/headland.ply", seaside::headland),
+    asset("scenes/villa/paving.png", seaside::paving),
+    asset("scenes/villa/tuft.ply", meadow::tuft_fresh),
+    asset("scenes/villa/waves.png", seaside::waves),
     asset("scenes/watch/stripes.png", watch::stripes),
     asset("scenes/watch/studio.exr", studios::dark),
 ];
@@ -94,6 +113,19 @@ const GENERATED: &[Asset] = &[
     asset("scenes/chess/generated/cross.ply", chess::cross),
     asset("scenes/chess/generated/knight.ply", chess::knight),
     asset("scenes/cloth/generated/cloth.ply", drape::cloth),
+    asset("scenes/fur/generated/fur.txt", bear::fur),
+    asset("scenes/fur/generated/skin.ply", bear::skin),
+    asset("scenes/interior/generated/parquet.png", room::parquet),
+    asset("scenes/meadow/generated/daisy-petals.ply", meadow::daisy_petals),
+    asset("scenes/meadow/generated/ground.ply", meadow::ground),
+    asset("scenes/meadow/generated/instances.xml", meadow::instances),
+    asset("scenes/meadow/generated/leaves.ply", meadow::tree_leaves),
+    asset("scenes/meadow/generated/poppy-petals.ply", meadow::poppy_petals),
+    asset("scenes/meadow/generated/stalk.ply", meadow::stalk),
+    asset("scenes/meadow/generated/trunk.ply", meadow::trunk),
+    asset("scenes/meadow/generated/tuft-dry.ply", meadow::tuft_dry),
+    asset("scenes/meadow/generated/tuft-fresh.ply", meadow::tuft_fresh),
+    asset("scenes/meadow/generated/tuft-green.ply", meadow::tuft_green),
     asset("scenes/watch/generated/balance.ply", watch::balance),
     asset("scenes/watch/generated/bridge.ply", watch::bridge),
     asset("scenes/watch/generated/center-wheel.ply", watch::center_wheel),

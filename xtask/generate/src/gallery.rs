@@ -16,7 +16,7 @@ use etendue::{
     Silent, Workers, load_text,
 };
 
-use crate::repository::root;
+use crate::repository::{has_generated_files, root};
 use denoise::{Layers, Planes, denoise};
 use table::{PICTURES, Picture};
 
@@ -24,7 +24,7 @@ use table::{PICTURES, Picture};
 const JPEG_QUALITY: u8 = 90;
 
 /// Samples per pixel of albedo and normals, which guide the denoiser.
-const SURFACE_SAMPLES: u32 = 48;
+const SURFACE_SAMPLES: u32 = 24;
 
 /// What to render.
 #[derive(Args, Debug)]
@@ -161,10 +161,4 @@ impl Scene<'_> {
         let scene = self.load_text(&text, &SceneOptions::default())?;
         self.render(&scene, 0..SURFACE_SAMPLES, SURFACE_SAMPLES)
     }
-}
-
-/// Whether the files that `cargo xtask assets` makes for a scene are there, or it needs none.
-pub(crate) fn has_generated_files(scene: &std::path::Path) -> bool {
-    let text = fs::read_to_string(scene).unwrap_or_default();
-    !text.contains("\"generated/") || scene.with_file_name("generated").is_dir()
 }

@@ -20,7 +20,7 @@ pub(super) struct Layers {
 }
 
 /// How far the filter looks for similar pixels, in pixels to each side.
-const SEARCH_RADIUS: isize = 7;
+const SEARCH_RADIUS: isize = 6;
 /// Half of the neighbourhood by which pixels are compared.
 const PATCH_RADIUS: usize = 2;
 /// The variance of a pixel is the mean over so many pixels to each side.
@@ -36,7 +36,8 @@ const LEAST_ALBEDO: f32 = 0.05;
 pub(super) fn denoise(layers: &Layers) -> Planes {
     let grid = Grid { width: layers.width, height: layers.albedo[0].len() / layers.width };
     let halves = [0, 1].map(|half| demodulated(&layers.halves[half], &layers.albedo));
-    let variance = variance(grid, &halves);
+    let brightness = [0, 1].map(|half| brightness(&halves[half]));
+    let variance = variance(grid, &brightness);
     let mut sums: [Planes; 2] = [0, 1].map(|_| [0, 1, 2].map(|_| vec![0.0; grid.len()]));
     let mut weights = [0, 1].map(|_| vec![0.0_f32; grid.len()]);
     for down in -SEARCH_RADIUS..=SEARCH_RADIUS {
@@ -44,7 +45,7 @@ pub(super) fn denoise(layers: &Layers) -> Planes {
             let shift = Shift { grid, right, down };
             let alike = feature_weights(shift, layers);
             for (guide, filtered) in [(0, 1), (1, 0)] {
-                let weight = patch_weights(shift, &halves[guide], &variance, &alike);
+                let weight = patch_weights(shift, &brightness[guide], &variance, &alike);
                 add_shifted(shift, &weight, &halves[filtered], &mut sums[filtered]);
                 for (sum, weight) in weights[filtered].iter_mut().zip(&weight) {
                     *sum += weight;
@@ -131,13 +132,17 @@ fn demodulated(color: &Planes, albedo: &Planes) -> Planes {
     })
 }
 
+/// The mean of the channels. Differences in colour are mostly those of the albedo.
+fn brightness([red, green, blue]: &Planes) -> Vec<f32> {
+    let pixels = red.iter().zip(green).zip(blue);
+    pixels.map(|((red, green), blue)| (red + green + blue) / 3.0).collect()
+}
+
 /// The variance of a half, from how the two differ.
-fn variance(grid: Grid, halves: &[Planes; 2]) -> Planes {
-    std::array::from_fn(|channel| {
-        let pairs = halves[0][channel].iter().zip(&halves[1][channel]);
-        let squares: Vec<f32> = pairs.map(|(a, b)| 0.5 * (a - b) * (a - b)).collect();
-        grid.box_mean(&squares, VARIANCE_RADIUS)
-    })
+fn variance(grid: Grid, [first, second]: &[Vec<f32>; 2]) -> Vec<f32> {
+    let pairs = first.iter().zip(second);
+    let squares: Vec<f32> = pairs.map(|(a, b)| 0.5 * (a - b) * (a - b)).collect();
+    grid.box_mean(&squares, VARIANCE_RADIUS)
 }
 
 /// How alike the surfaces are; zero where the partner is outside the picture.
@@ -156,18 +161,16 @@ fn feature_weights(shift: Shift, layers: &Layers) -> Vec<f32> {
 }
 
 /// The weight of each pixel's partner: how alike both and their neighbourhoods are.
-fn patch_weights(shift: Shift, light: &Planes, variance: &Planes, alike: &[f32]) -> Vec<f32> {
+fn patch_weights(shift: Shift, light: &[f32], variance: &[f32], alike: &[f32]) -> Vec<f32> {
     let mut distances = vec![0.0; shift.grid.len()];
-    for (light, variance) in light.iter().zip(variance) {
-        shift.pairs(|pixel, partner| {
-            let (here, there) = (variance[pixel], variance[partner]);
-            let difference = light[pixel] - light[partner];
-            // The noise alone makes for such a difference.
-            let expected = here + here.min(there);
-            let scale = 1e-8 + STRENGTH * STRENGTH * (here + there);
-            distances[pixel] += (difference * difference - expected) / (3.0 * scale);
-        });
-    }
+    shift.pairs(|pixel, partner| {
+        let (here, there) = (variance[pixel], variance[partner]);
+        let difference = light[pixel] - light[partner];
+        // The noise alone makes for such a difference.
+        let expected = here + here.min(there);
+        let scale = 1e-8 + STRENGTH * STRENGTH * (here + there);
+        distances[pixel] = (difference * difference - expected) / scale;
+    });
     let mut weights = shift.grid.box_mean(&distances, PATCH_RADIUS);
     for (weight, alike) in weights.iter_mut().zip(alike) {
         *weight = (-weight.max(0.0)).exp() * alike;

@@ -40,14 +40,114 @@ impl Picture {
 }
 
 /// All pictures, in the order of the page.
-pub(super) const PICTURES: &[Picture] = &[Picture {
-    name: "chess",
-    heading: "Chess",
-    text: "A middle game under the soft boxes of a studio, through a `thinlens` with a wide aperture. \
-           The bodies of the pieces are `revsurface`s along B-splines.",
-    size: [1280, 720],
-    samples_per_pixel: 128,
-    tone_map: ToneMap::Filmic,
-    exposure: 0.8,
-    minutes: 0,
-}];
+pub(super) const PICTURES: &[Picture] = &[
+    Picture {
+        name: "chess",
+        heading: "Chess",
+        text: "A middle game under the soft boxes of a studio, through a `thinlens` with a wide aperture. \
+               The bodies of the pieces are `revsurface`s along B-splines, placed by `instance`s.",
+        size: [1280, 720],
+        samples_per_pixel: 32,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.7,
+        minutes: 0,
+    },
+    Picture {
+        name: "cosmetics",
+        heading: "Cosmetics",
+        text: "Satin lacquer, porcelain and brass before a painted disk, lit by an `envmap` of a studio. \
+               Bottles, jars and plinths are `revsurface`s with rounded edges.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.4,
+        minutes: 0,
+    },
+    Picture {
+        name: "watch",
+        heading: "A watch",
+        text: "The movement of a watch: brass wheels, a gilded balance, blued screws and rubies, and bridges \
+               whose stripes are a `bumpmap` on an anisotropic `roughconductor`.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.0,
+        minutes: 0,
+    },
+    Picture {
+        name: "cloth",
+        heading: "Velvet",
+        text: "Velvet over a pedestal, with a brass vase and two pears. The folds come from a simulation of \
+               the cloth, the sheen from the `principled` material.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.6,
+        minutes: 0,
+    },
+    Picture {
+        name: "villa",
+        heading: "A villa by the sea",
+        text: "The last hours of a day under the `sunsky`: a low sun, long shadows, and waves that are a \
+               `bumpmap`.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 2.6,
+        minutes: 0,
+    },
+    Picture {
+        name: "meadow",
+        heading: "A meadow",
+        text: "More than a million tufts of grass and flowers, each an `instance` of one of a few \
+               `shapegroup`s, under the `sunsky`. The blades are thin sheets that light passes (`principledthin`).",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 2.6,
+        minutes: 0,
+    },
+    Picture {
+        name: "cups",
+        heading: "Cups",
+        text: "The same surface of revolution as solid glass (`dielectric`, left) and as a film of glass too thin \
+               to bend light (`thindielectric`, right), from one B-spline.",
+        size: [1280, 720],
+        samples_per_pixel: 32,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.3,
+        minutes: 0,
+    },
+    Picture {
+        name: "plume",
+        heading: "A plume of smoke",
+        text: "Smoke in a `gridvolume` between a warm and a cool light, with the multiple scattering of \
+               `volpath`.",
+        size: [1280, 720],
+        samples_per_pixel: 32,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.3,
+        minutes: 0,
+    },
+    Picture {
+        name: "fur",
+        heading: "A plush bear",
+        text: "130,000 hairs: a `bsplinecurve` with the `hair` material.",
+        size: [1280, 720],
+        samples_per_pixel: 32,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.5,
+        minutes: 0,
+    },
+    Picture {
+        name: "interior",
+        heading: "A room in daylight",
+        text: "An armchair beside a window, on a parquet of oak. One `area` light behind the panes is all the \
+               light there is; the rest is what walls and floor send on.",
+        size: [1280, 720],
+        samples_per_pixel: 32,
+        tone_map: ToneMap::Filmic,
+        exposure: 1.0,
+        minutes: 0,
+    },
+];
