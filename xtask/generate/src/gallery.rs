@@ -82,7 +82,9 @@ fn render(picture: &Picture, spp_scale: f64, workers: &Workers) -> Result<Vec<u8
     let strict = SceneOptions { strict: true, ..SceneOptions::default() };
     let loaded = scene.load(&strict)?;
     let half = |samples: Range<u32>| {
-        scene.render(&loaded, samples, count).map(|rendering| (planes(&rendering.picture, ""), rendering))
+        scene
+            .render(&loaded, samples, count)
+            .map(|rendering| (planes(&rendering.picture, ""), rendering))
     };
     let (first, mut rendering) = half(0..count / 2)?;
     let (second, _) = half(count / 2..count)?;

@@ -62,11 +62,8 @@ pub(super) fn knight() -> Vec<u8> {
             DVec3::new(0.07, 0.006, 0.05),
             0.005,
         );
-        let between_ears = rounded_box(
-            side - DVec3::new(0.0, 1.07, 0.0),
-            DVec3::new(0.12, 0.09, 0.022),
-            0.01,
-        );
+        let between_ears =
+            rounded_box(side - DVec3::new(0.0, 1.07, 0.0), DVec3::new(0.12, 0.09, 0.022), 0.01);
         let body = smooth_union(body, eye, 0.02);
         let carved = nostril.min(mouth).min(between_ears);
         smooth_difference(body, carved, 0.02)

@@ -114,8 +114,7 @@ impl Cloth {
 
 /// Threads, diagonals against shear, and every other point along threads against bending.
 fn constraints() -> Vec<Constraint> {
-    const LINKS: [(usize, usize, f64); 4] =
-        [(1, 0, 1.0), (1, 1, 0.35), (2, 0, 0.16), (5, 0, 0.02)];
+    const LINKS: [(usize, usize, f64); 4] = [(1, 0, 1.0), (1, 1, 0.35), (2, 0, 0.16), (5, 0, 0.02)];
     let mut all = Vec::new();
     for (along, across, stiffness) in LINKS {
         let length = SPACING * ((along * along + across * across) as f64).sqrt();
@@ -164,7 +163,10 @@ mod tests {
     fn nothing_stays_inside_the_pedestal() {
         for place in [DVec3::new(0.1, 1.0, 0.2), DVec3::new(0.3, 2.05, -0.3), DVec3::ZERO] {
             let outside = pushed_out(place).unwrap();
-            assert!(pushed_out(outside + DVec3::Y * 1e-9).is_none_or(|again| again.distance(outside) < 1e-6));
+            assert!(
+                pushed_out(outside + DVec3::Y * 1e-9)
+                    .is_none_or(|again| again.distance(outside) < 1e-6)
+            );
         }
         assert_eq!(pushed_out(DVec3::new(2.0, 1.0, 0.0)), None);
     }

@@ -51,8 +51,7 @@ impl Field {
     fn sample(lattice: &Lattice, distance: impl Fn(DVec3) -> f64) -> Self {
         let size = (lattice.high - lattice.low) / lattice.cell;
         let counts = size.to_array().map(|cells| cells.ceil() as usize + 1);
-        let mut field =
-            Self { low: lattice.low, cell: lattice.cell, counts, values: Vec::new() };
+        let mut field = Self { low: lattice.low, cell: lattice.cell, counts, values: Vec::new() };
         let corners = counts.map(|count| 0..count);
         for z in corners[2].clone() {
             for y in corners[1].clone() {
@@ -76,9 +75,8 @@ impl Field {
     /// The lower corners of all cells.
     fn cells(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
         let [columns, rows, layers] = self.counts.map(|count| count - 1);
-        (0..layers).flat_map(move |z| {
-            (0..rows).flat_map(move |y| (0..columns).map(move |x| [x, y, z]))
-        })
+        (0..layers)
+            .flat_map(move |z| (0..rows).flat_map(move |y| (0..columns).map(move |x| [x, y, z])))
     }
 
     /// The mean of the points where the cell's edges cross the surface.

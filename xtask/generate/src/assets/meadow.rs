@@ -16,14 +16,14 @@ const NEAREST: f64 = 1.3;
 const FARTHEST: f64 = 240.0;
 /// Half of the angle in which plants stand.
 const HALF_ANGLE: f64 = 0.56;
-const TREES: u32 = 150;
+const TREES: u32 = 260;
 
 /// The height of the ground: it falls into a valley, and rises to hills behind.
 pub(super) fn ground_height(x: f64, z: f64) -> f64 {
     let away = -z;
     let swell = |size: f64, seed: u32| value(x / size + 90.0, z / size + 90.0, 1 << 16, seed) - 0.5;
     let near = 1.0 - step(0.0, 12.0, away);
-    let slope = -4.5 * step(4.0, 60.0, away) + 26.0 * step(70.0, 300.0, away);
+    let slope = -4.5 * step(4.0, 60.0, away) + 15.0 * step(70.0, 300.0, away);
     slope + (1.0 - near) * (7.0 * swell(46.0, 1) + 1.4 * swell(11.0, 2)) + 0.10 * swell(1.6, 3)
 }
 
@@ -72,7 +72,8 @@ fn add_blade(mesh: &mut TriangleMesh, blade: &Blade) {
     let grid = Grid { columns: 5, rows: 1, closed_u: false, closed_v: false };
     patch::add(mesh, grid, |u, v| {
         let angle = blade.lean * u * 1.3;
-        let place = blade.ahead * (angle.sin() * u * 0.75) + DVec3::Y * (u * (0.35 + 0.65 * angle.cos()));
+        let place =
+            blade.ahead * (angle.sin() * u * 0.75) + DVec3::Y * (u * (0.35 + 0.65 * angle.cos()));
         let half_width = blade.width * (1.02 - u.powi(2));
         // A fold along the middle would cost another row; smooth normals serve instead.
         blade.foot + place * blade.length + across * (half_width * (2.0 * v - 1.0))
@@ -125,7 +126,8 @@ fn petals(count: u32, length: f64, half_width: f64, raised: f64) -> Vec<u8> {
             let beside = (2.0 * v - 1.0) * half_width * (PI * u.powf(0.7)).sin().max(0.05);
             let angle = raised + 0.5 * u * (raised - 0.35);
             let cup = 6.0 * raised * beside * beside;
-            let place = DVec3::new(u * length * angle.cos(), u * length * angle.sin() + cup, beside);
+            let place =
+                DVec3::new(u * length * angle.cos(), u * length * angle.sin() + cup, beside);
             flower_stalk(1.0) + tilt * place
         });
     }
@@ -149,7 +151,8 @@ pub(super) fn tree_leaves() -> Vec<u8> {
         let radius = mix(0.65, 1.15, random(bough, 4, 351)) * chance(2).powf(0.25);
         let base = middle + direction * radius * DVec3::new(1.0, 0.8, 1.0);
         let ahead = (direction + DVec3::new(0.0, -0.5, 0.0)).normalize();
-        let across = DQuat::from_axis_angle(ahead, TAU * chance(3)) * ahead.any_orthonormal_vector();
+        let across =
+            DQuat::from_axis_angle(ahead, TAU * chance(3)) * ahead.any_orthonormal_vector();
         let size = mix(0.10, 0.19, chance(4));
         patch::add(&mut mesh, grid, |u, v| {
             let half_width = 0.36 * (PI * (0.06 + 0.88 * u)).sin();
@@ -170,7 +173,9 @@ fn direction(first: f64, second: f64) -> DVec3 {
 pub(super) fn trunk() -> Vec<u8> {
     let mut mesh = TriangleMesh::default();
     let grid = Grid { columns: 12, rows: 9, closed_u: false, closed_v: true };
-    let stem = |along: f64| DVec3::new(0.25 * along * along, -0.3 + 4.6 * along, 0.12 * (5.0 * along).sin());
+    let stem = |along: f64| {
+        DVec3::new(0.25 * along * along, -0.3 + 4.6 * along, 0.12 * (5.0 * along).sin())
+    };
     patch::tube(&mut mesh, grid, 0.17, stem, |_| DVec3::Z);
     for bough in 0..5 {
         let (sin, cos) = (TAU * (f64::from(bough) * 0.37)).sin_cos();
@@ -204,8 +209,8 @@ fn add_plant(text: &mut String, plant: u32) {
     let (x, z) = (away * angle.sin(), -away * angle.cos());
     let patch = |size: f64, seed: u32| value(x / size + 500.0, z / size + 500.0, 1 << 16, seed);
     let kind = match chance(2) {
-        pick if pick < 0.055 * step(0.50, 0.72, patch(5.0, 4)) => "poppy",
-        pick if pick < 0.11 * step(0.42, 0.70, patch(3.2, 5)) => "daisy",
+        pick if pick < 0.030 * step(0.46, 0.74, patch(5.0, 4)) => "poppy",
+        pick if pick < 0.075 * step(0.42, 0.70, patch(3.2, 5)) => "daisy",
         _ if chance(3) < 0.8 * step(0.35, 0.75, patch(9.0, 6)) => "fresh",
         _ if chance(4) < 0.16 => "dry",
         _ => "green",
@@ -222,7 +227,7 @@ fn add_tree(text: &mut String, tree: u32) {
     let angle = (2.0 * chance(1) - 1.0) * HALF_ANGLE;
     let (x, z) = (away * angle.sin(), -away * angle.cos());
     // They stand in groves.
-    if value(x / 30.0 + 700.0, z / 30.0 + 700.0, 1 << 16, 7) > 0.47 {
+    if value(x / 30.0 + 700.0, z / 30.0 + 700.0, 1 << 16, 7) > 0.55 {
         let place = Place { x, z, turn: TAU * chance(2), size: mix(0.7, 1.35, chance(3)) };
         add_instance(text, "tree", &place);
     }

@@ -68,7 +68,8 @@ pub(super) fn painting() -> Vec<u8> {
             let edge = height + size * (value(u * 2.2 + 7.0, 0.0, 64, seed) - 0.5);
             1.0 - step(-0.004, 0.004, v - edge)
         };
-        let sun = 1.0 - step(0.148, 0.152, (DVec2::new(u, v * 4.0 / 3.0) - DVec2::new(0.6, 0.92)).length());
+        let sun = 1.0
+            - step(0.148, 0.152, (DVec2::new(u, v * 4.0 / 3.0) - DVec2::new(0.6, 0.92)).length());
         let layers = [
             (sun, [0.80, 0.42, 0.22]),
             (hill(0.52, 0.24, 1), [0.78, 0.62, 0.45]),
@@ -76,10 +77,12 @@ pub(super) fn painting() -> Vec<u8> {
             (hill(0.24, 0.26, 3), [0.19, 0.26, 0.27]),
         ];
         let paper = [0.90, 0.86, 0.78];
-        layers.iter().fold(paper, |below, (cover, color)| {
-            std::array::from_fn(|channel| mix(below[channel], color[channel], *cover))
-        })
-        .map(|tone| tone + grain)
+        layers
+            .iter()
+            .fold(paper, |below, (cover, color)| {
+                std::array::from_fn(|channel| mix(below[channel], color[channel], *cover))
+            })
+            .map(|tone| tone + grain)
     })
 }
 

@@ -55,9 +55,7 @@ pub(super) fn paving() -> Vec<u8> {
         let cloud = 0.10 * (fractal(u * 10.0, v * 10.0, 10, 4) - 0.5);
         let vein = 0.07 * (value(u * 12.0, v * 64.0, 64, 9) - 0.5);
         let light = [0.80, 0.755, 0.69];
-        std::array::from_fn(|channel| {
-            mix(0.38, light[channel] + tone + cloud + vein, gap)
-        })
+        std::array::from_fn(|channel| mix(0.38, light[channel] + tone + cloud + vein, gap))
     })
 }
 

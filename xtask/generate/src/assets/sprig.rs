@@ -55,7 +55,8 @@ fn add_leaf(mesh: &mut TriangleMesh, pair: u32, side: u32) {
         let u = 0.005 + 0.99 * u;
         let width = (PI * u).sin().powf(0.62) * (1.0 - 0.22 * u);
         let beside = (v - 0.5) * width;
-        let dish = bend * beside * beside - 0.30 * bend * u * u + 0.012 * (TAU * 3.0 * u).sin() * beside;
+        let dish =
+            bend * beside * beside - 0.30 * bend * u * u + 0.012 * (TAU * 3.0 * u).sin() * beside;
         base + (ahead * (u + 0.12) + across * beside + face * dish) * size
     });
 }

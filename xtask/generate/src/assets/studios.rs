@@ -65,12 +65,7 @@ pub(super) fn dark() -> Vec<u8> {
     environment(&boxes, [0.045, 0.047, 0.052], [0.02, 0.019, 0.018])
 }
 
-const fn softbox(
-    azimuth: f64,
-    elevation: f64,
-    half_size: [f64; 2],
-    radiance: [f64; 3],
-) -> Softbox {
+const fn softbox(azimuth: f64, elevation: f64, half_size: [f64; 2], radiance: [f64; 3]) -> Softbox {
     Softbox { azimuth, elevation, half_size, radiance }
 }
 
@@ -95,8 +90,7 @@ fn environment(boxes: &[Softbox], ceiling: [f64; 3], floor: [f64; 3]) -> Vec<u8>
     for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
         picture.push(name, pixels.iter().map(|pixel| pixel[channel]).collect());
     }
-    let options =
-        EncodeOptions { exr_precision: ExrPrecision::Half, ..EncodeOptions::default() };
+    let options = EncodeOptions { exr_precision: ExrPrecision::Half, ..EncodeOptions::default() };
     encode(&picture, FileFormat::Exr, &options).expect("its channels are as large as it")
 }
 

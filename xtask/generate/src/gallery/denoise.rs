@@ -29,13 +29,17 @@ const VARIANCE_RADIUS: usize = 2;
 const STRENGTH: f32 = 0.6;
 const ALBEDO_DEVIATION: f32 = 0.10;
 const NORMAL_DEVIATION: f32 = 0.25;
+/// How much brighter than its neighbours a pixel may be.
+const SPIKE: f32 = 1.6;
 /// Added to the albedo before light is divided by it.
 const LEAST_ALBEDO: f32 = 0.05;
 
 /// The picture without noise.
 pub(super) fn denoise(layers: &Layers) -> Planes {
     let grid = Grid { width: layers.width, height: layers.albedo[0].len() / layers.width };
-    let halves = [0, 1].map(|half| demodulated(&layers.halves[half], &layers.albedo));
+    let halves = [0, 1].map(|half| {
+        without_spikes(grid, demodulated(&layers.halves[half], &layers.albedo))
+    });
     let brightness = [0, 1].map(|half| brightness(&halves[half]));
     let variance = variance(grid, &brightness);
     let mut sums: [Planes; 2] = [0, 1].map(|_| [0, 1, 2].map(|_| vec![0.0; grid.len()]));
@@ -57,9 +61,7 @@ pub(super) fn denoise(layers: &Layers) -> Planes {
         let mean = |half: usize, pixel: usize| sums[half][channel][pixel] / weights[half][pixel];
         let albedo = &layers.albedo[channel];
         (0..grid.len())
-            .map(|pixel| {
-                0.5 * (mean(0, pixel) + mean(1, pixel)) * (albedo[pixel] + LEAST_ALBEDO)
-            })
+            .map(|pixel| 0.5 * (mean(0, pixel) + mean(1, pixel)) * (albedo[pixel] + LEAST_ALBEDO))
             .collect()
     })
 }
@@ -130,6 +132,30 @@ fn demodulated(color: &Planes, albedo: &Planes) -> Planes {
         let pairs = color[channel].iter().zip(&albedo[channel]);
         pairs.map(|(color, albedo)| color / (albedo + LEAST_ALBEDO)).collect()
     })
+}
+
+/// Limits single pixels that are far brighter than all but two of those around them, which no number
+/// of similar pixels would average away.
+fn without_spikes(grid: Grid, mut light: Planes) -> Planes {
+    let brightness = brightness(&light);
+    for pixel in 0..grid.len() {
+        let (x, y) = (pixel % grid.width, pixel / grid.width);
+        let mut near = [0.0_f32; 9];
+        for (index, value) in near.iter_mut().enumerate() {
+            let column = (x + index % 3).saturating_sub(1).min(grid.width - 1);
+            let row = (y + index / 3).saturating_sub(1).min(grid.height - 1);
+            *value = brightness[row * grid.width + column];
+        }
+        near.sort_by(f32::total_cmp);
+        // The pixel itself is one of the nine.
+        let limit = SPIKE * near[5];
+        if brightness[pixel] > limit {
+            for plane in &mut light {
+                plane[pixel] *= limit / brightness[pixel];
+            }
+        }
+    }
+    light
 }
 
 /// The mean of the channels. Differences in colour are mostly those of the albedo.
@@ -208,7 +234,8 @@ mod tests {
             normal: flat(0.0),
         };
         let error = |planes: &Planes| {
-            let squares = planes[0].iter().enumerate().map(|(at, value)| (value - truth(at)).powi(2));
+            let squares =
+                planes[0].iter().enumerate().map(|(at, value)| (value - truth(at)).powi(2));
             (squares.sum::<f32>() / grid.len() as f32).sqrt()
         };
         let (before, after) = (error(&layers.halves[0]), error(&denoise(&layers)));

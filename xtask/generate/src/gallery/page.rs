@@ -8,10 +8,12 @@ const HEAD: &str = "# Gallery
 
 <!-- Written by `cargo xtask gallery`. -->
 
-Etendue rendered every picture from a scene of this repository; none was retouched or denoised.
-`cargo xtask assets` makes the files of the scenes that are too large to be committed, and
-`cargo xtask gallery` renders the pictures again. The times are those of two threads of an Intel
-Xeon at 2.1 GHz that other jobs kept busy, which at least doubled most of them.
+Etendue rendered every picture from a scene of this repository. `cargo xtask assets` makes the files
+of the scenes that are too large to be committed, and `cargo xtask gallery` renders the pictures
+again. They have few samples per pixel, and what is left of the noise is removed by non-local means,
+guided by albedo and normals ([denoise.rs](../xtask/generate/src/gallery/denoise.rs)); nothing else
+was retouched. The commands below show the scenes without that step. The times are those of a
+machine with two cores (Intel Xeon, 2.5 GHz) that were busy with other jobs for most of the time.
 ";
 
 const TAIL: &str = "

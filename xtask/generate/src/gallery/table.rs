@@ -50,7 +50,7 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 32,
         tone_map: ToneMap::Filmic,
         exposure: 0.7,
-        minutes: 0,
+        minutes: 13,
     },
     Picture {
         name: "cosmetics",
@@ -61,7 +61,7 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 0.4,
-        minutes: 0,
+        minutes: 6,
     },
     Picture {
         name: "watch",
@@ -72,7 +72,7 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 0.0,
-        minutes: 0,
+        minutes: 7,
     },
     Picture {
         name: "cloth",
@@ -83,7 +83,7 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 0.6,
-        minutes: 0,
+        minutes: 5,
     },
     Picture {
         name: "villa",
@@ -94,18 +94,7 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 2.6,
-        minutes: 0,
-    },
-    Picture {
-        name: "meadow",
-        heading: "A meadow",
-        text: "More than a million tufts of grass and flowers, each an `instance` of one of a few \
-               `shapegroup`s, under the `sunsky`. The blades are thin sheets that light passes (`principledthin`).",
-        size: [1280, 720],
-        samples_per_pixel: 16,
-        tone_map: ToneMap::Filmic,
-        exposure: 2.6,
-        minutes: 0,
+        minutes: 6,
     },
     Picture {
         name: "cups",
@@ -113,31 +102,10 @@ pub(super) const PICTURES: &[Picture] = &[
         text: "The same surface of revolution as solid glass (`dielectric`, left) and as a film of glass too thin \
                to bend light (`thindielectric`, right), from one B-spline.",
         size: [1280, 720],
-        samples_per_pixel: 32,
+        samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 0.3,
-        minutes: 0,
-    },
-    Picture {
-        name: "plume",
-        heading: "A plume of smoke",
-        text: "Smoke in a `gridvolume` between a warm and a cool light, with the multiple scattering of \
-               `volpath`.",
-        size: [1280, 720],
-        samples_per_pixel: 32,
-        tone_map: ToneMap::Filmic,
-        exposure: 0.3,
-        minutes: 0,
-    },
-    Picture {
-        name: "fur",
-        heading: "A plush bear",
-        text: "130,000 hairs: a `bsplinecurve` with the `hair` material.",
-        size: [1280, 720],
-        samples_per_pixel: 32,
-        tone_map: ToneMap::Filmic,
-        exposure: 0.5,
-        minutes: 0,
+        minutes: 6,
     },
     Picture {
         name: "interior",
@@ -145,9 +113,9 @@ pub(super) const PICTURES: &[Picture] = &[
         text: "An armchair beside a window, on a parquet of oak. One `area` light behind the panes is all the \
                light there is; the rest is what walls and floor send on.",
         size: [1280, 720],
-        samples_per_pixel: 32,
+        samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 1.0,
-        minutes: 0,
+        minutes: 7,
     },
 ];
