@@ -37,9 +37,8 @@ const LEAST_ALBEDO: f32 = 0.05;
 /// The picture without noise.
 pub(super) fn denoise(layers: &Layers) -> Planes {
     let grid = Grid { width: layers.width, height: layers.albedo[0].len() / layers.width };
-    let halves = [0, 1].map(|half| {
-        without_spikes(grid, demodulated(&layers.halves[half], &layers.albedo))
-    });
+    let halves =
+        [0, 1].map(|half| without_spikes(grid, demodulated(&layers.halves[half], &layers.albedo)));
     let brightness = [0, 1].map(|half| brightness(&halves[half]));
     let variance = variance(grid, &brightness);
     let mut sums: [Planes; 2] = [0, 1].map(|_| [0, 1, 2].map(|_| vec![0.0; grid.len()]));

@@ -24,6 +24,12 @@ const TAIL: &str = "
 [textures](../scenes/textures/scene.xml), [smoke](../scenes/smoke/scene.xml),
 [soft shadows](../scenes/soft-shadows/scene.xml) and
 [depth of field](../scenes/depth-of-field/scene.xml) show one thing each, and render in a minute.
+
+## Larger scenes
+
+[A meadow](../scenes/meadow/scene.xml) of more than a million instances and
+[a plush bear](../scenes/fur/scene.xml) of 130,000 hairs render for hours on a small machine, so their
+pictures are not here.
 ";
 
 /// The text of `gallery/README.md`.
