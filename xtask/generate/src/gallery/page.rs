@@ -27,9 +27,10 @@ const TAIL: &str = "
 
 ## Larger scenes
 
-[A meadow](../scenes/meadow/scene.xml) of more than a million instances and
-[a plush bear](../scenes/fur/scene.xml) of 130,000 hairs render for hours on a small machine, so their
-pictures are not here.
+[The movement of a watch](../scenes/watch/scene.xml), [cups of four materials](../scenes/cups/scene.xml),
+[a meadow](../scenes/meadow/scene.xml) of more than a million instances and
+[a plush bear](../scenes/fur/scene.xml) of 130,000 hairs have no picture here yet. The last two take
+hours on a small machine.
 ";
 
 /// The text of `gallery/README.md`.
