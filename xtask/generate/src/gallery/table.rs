@@ -83,7 +83,7 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 2.6,
-        minutes: 6,
+        minutes: 5,
     },
     Picture {
         name: "interior",
