@@ -27,8 +27,7 @@ const TAIL: &str = "
 
 ## Larger scenes
 
-[The movement of a watch](../scenes/watch/scene.xml), [cups of four materials](../scenes/cups/scene.xml),
-[a meadow](../scenes/meadow/scene.xml) of more than a million instances and
+[Cups of four materials](../scenes/cups/scene.xml), [a meadow](../scenes/meadow/scene.xml) of more than a million instances and
 [a plush bear](../scenes/fur/scene.xml) of 130,000 hairs have no picture here yet. The last two take
 hours on a small machine.
 ";

@@ -64,6 +64,17 @@ pub(super) const PICTURES: &[Picture] = &[
         minutes: 6,
     },
     Picture {
+        name: "watch",
+        heading: "A watch",
+        text: "The movement of a watch: brass wheels, a gilded balance, blued screws and rubies, and bridges \
+               whose stripes are a `bumpmap` on an anisotropic `roughconductor`.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.0,
+        minutes: 4,
+    },
+    Picture {
         name: "cloth",
         heading: "Velvet",
         text: "Velvet over a pedestal, with a brass vase and two pears. The folds come from a simulation of \
