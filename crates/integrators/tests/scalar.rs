@@ -259,7 +259,13 @@ fn the_gallery_looks_the_same() {
     let folders = fs::read_dir(repository().join("scenes")).expect("the gallery");
     let mut count = 0;
     for folder in folders {
-        assert_same_scene(&folder.expect("a folder").path().join("scene.xml"), 32);
+        let scene = folder.expect("a folder").path().join("scene.xml");
+        // `cargo xtask assets` makes large files, which are not committed.
+        if fs::read_to_string(&scene).expect("a scene").contains("\"generated/") {
+            eprintln!("left out: {}", scene.display());
+            continue;
+        }
+        assert_same_scene(&scene, 32);
         count += 1;
     }
     assert!(count > 5, "{count} scenes");

@@ -1,14 +1,21 @@
 //! The files of the repository.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The root of the repository.
 pub(crate) fn root() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// A generated file that is committed, with its path from the root.
+/// Whether the files that `cargo xtask assets` makes for a scene, and that are not committed, are
+/// there, or it needs none.
+pub(crate) fn has_generated_files(scene: &Path) -> bool {
+    let text = fs::read_to_string(scene).unwrap_or_default();
+    !text.contains("\"generated/") || scene.with_file_name("generated").is_dir()
+}
+
+/// A generated file, with its path from the root.
 pub(crate) struct Made {
     pub(crate) path: &'static str,
     pub(crate) bytes: Vec<u8>,

@@ -57,7 +57,7 @@ fn solid(place: [f64; 3], seed: u32) -> f64 {
 
 /// A number in [0, 1) that depends only on its arguments, which are mixed by multiplications and
 /// shifts (the finaliser of MurmurHash3).
-pub(super) fn random(x: u32, y: u32, seed: u32) -> f64 {
+pub(crate) fn random(x: u32, y: u32, seed: u32) -> f64 {
     let mut hash = x ^ y.wrapping_mul(0x9e37_79b9) ^ seed.wrapping_mul(0x85eb_ca6b);
     for multiplier in [0x85eb_ca6b, 0xc2b2_ae35] {
         hash = (hash ^ (hash >> 16)).wrapping_mul(multiplier);

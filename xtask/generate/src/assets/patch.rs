@@ -76,7 +76,7 @@ fn normal(surface: &impl Fn(f64, f64) -> DVec3, u: f64, v: f64) -> DVec3 {
 
 /// Rounds to multiples of 2⁻¹⁴, so that a difference in the last bit between machines changes
 /// nothing.
-fn round(vector: DVec3) -> Vec3 {
+pub(super) fn round(vector: DVec3) -> Vec3 {
     ((vector * 16384.0).round() / 16384.0).as_vec3()
 }
 

@@ -1,122 +1,110 @@
 //! The table of all gallery pictures.
 
-/// Pictures shown side by side under a heading.
-pub(super) struct Section {
-    pub(super) heading: &'static str,
-    /// The scene's folder under `scenes/`.
-    pub(super) scene: &'static str,
-    pub(super) text: &'static str,
-    pub(super) pictures: &'static [Entry],
-}
+use etendue::image::ToneMap;
 
-/// One picture.
-pub(super) struct Entry {
-    /// The file name without `.png`.
+/// A picture of the scene with the same name.
+pub(super) struct Picture {
     pub(super) name: &'static str,
-    pub(super) caption: &'static str,
+    pub(super) heading: &'static str,
+    pub(super) text: &'static str,
+    /// Width and height, as the scene says.
+    pub(super) size: [u32; 2],
     pub(super) samples_per_pixel: u32,
-    /// Values for `$name`, which override the scene's defaults.
-    pub(super) defines: &'static [(&'static str, &'static str)],
-    pub(super) emitter_sampling: EmitterSampling,
+    pub(super) tone_map: ToneMap,
+    /// In stops.
+    pub(super) exposure: f32,
+    /// How long it took, as measured.
+    pub(super) minutes: u32,
 }
 
-/// Whether emitters are sampled; otherwise paths find light only by hitting emitters.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum EmitterSampling {
-    On,
-    Off,
+impl Picture {
+    /// The path of the scene from the root.
+    pub(super) fn scene(&self) -> String {
+        format!("scenes/{}/scene.xml", self.name)
+    }
+
+    pub(super) fn file_name(&self) -> String {
+        format!("{}.jpg", self.name)
+    }
+
+    /// How the picture is brought to a display.
+    pub(super) fn display(&self) -> String {
+        let curve = match self.tone_map {
+            ToneMap::None => "sRGB",
+            ToneMap::Aces => "ACES",
+            ToneMap::Agx => "AgX",
+            ToneMap::Filmic => "the filmic curve",
+        };
+        format!("{curve} at {:+} stops", self.exposure)
+    }
 }
 
-impl Entry {
-    /// A picture of the scene with its default values.
-    const fn plain(name: &'static str, caption: &'static str, samples_per_pixel: u32) -> Self {
-        let emitter_sampling = EmitterSampling::On;
-        Self { name, caption, samples_per_pixel, defines: &[], emitter_sampling }
-    }
-
-    const fn with(self, defines: &'static [(&'static str, &'static str)]) -> Self {
-        Self { defines, ..self }
-    }
-
-    const fn without_emitter_sampling(self) -> Self {
-        Self { emitter_sampling: EmitterSampling::Off, ..self }
-    }
-}
-
-/// All sections, in the order of the page.
-pub(super) const SECTIONS: &[Section] = &[
-    Section {
-        heading: "A Cornell box",
-        scene: "cornell-box",
-        text: "Diffuse walls under a ceiling light. The small pictures have 32 samples per pixel each. \
-               The second one turns off emitter sampling (`--no-emitter-sampling`), so paths find light \
-               only by hitting the lamp. Both converge to the same picture.",
-        pictures: &[
-            Entry::plain("cornell-box", "256 samples per pixel", 256).with(&[("size", "480")]),
-            Entry::plain("cornell-box-32", "32 samples per pixel", 32).with(&[("size", "240")]),
-            Entry::plain("cornell-box-32-no-emitter-sampling", "32, without emitter sampling", 32)
-                .with(&[("size", "240")])
-                .without_emitter_sampling(),
-        ],
+/// All pictures, in the order of the page.
+pub(super) const PICTURES: &[Picture] = &[
+    Picture {
+        name: "chess",
+        heading: "Chess",
+        text: "A middle game under the soft boxes of a studio, through a `thinlens` with a wide aperture. \
+               The bodies of the pieces are `revsurface`s along B-splines, placed by `instance`s.",
+        size: [1280, 720],
+        samples_per_pixel: 32,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.7,
+        minutes: 13,
     },
-    Section {
-        heading: "Depth of field",
-        scene: "depth-of-field",
-        text: "A `thinlens` camera focused on one pawn in a row. The pawns are `revsurface`s, placed as \
-               `instance`s of two `shapegroup`s.",
-        pictures: &[Entry::plain("depth-of-field", "", 256)],
+    Picture {
+        name: "cosmetics",
+        heading: "Cosmetics",
+        text: "Satin lacquer, porcelain and brass before a painted disk, lit by an `envmap` of a studio. \
+               Bottles, jars and plinths are `revsurface`s with rounded edges.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.4,
+        minutes: 6,
     },
-    Section {
-        heading: "Glass and metal",
-        scene: "glass-and-metal",
-        text: "A `dielectric` ball and a `conductor` ball of gold.",
-        pictures: &[Entry::plain("glass-and-metal", "", 768)],
+    Picture {
+        name: "watch",
+        heading: "A watch",
+        text: "The movement of a watch: brass wheels, a gilded balance, blued screws and rubies, and bridges \
+               whose stripes are a `bumpmap` on an anisotropic `roughconductor`.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.0,
+        minutes: 4,
     },
-    Section {
-        heading: "Cups",
-        scene: "cups",
-        text: "The same surface of revolution (`revsurface` with a B-spline profile) as solid glass \
-               (`dielectric`, left) and as a thin film of glass (`thindielectric`, right).",
-        pictures: &[Entry::plain("cups", "", 512)],
+    Picture {
+        name: "cloth",
+        heading: "Velvet",
+        text: "Velvet over a pedestal, with a brass vase and two pears. The folds come from a simulation of \
+               the cloth, the sheen from the `principled` material.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.6,
+        minutes: 5,
     },
-    Section {
-        heading: "Plastics",
-        scene: "plastics",
-        text: "`plastic` and `roughplastic` on a mesh with smooth normals.",
-        pictures: &[Entry::plain("plastics", "", 256)],
+    Picture {
+        name: "villa",
+        heading: "A villa by the sea",
+        text: "The last hours of a day under the `sunsky`: a low sun, long shadows, and waves that are a \
+               `bumpmap`.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 2.6,
+        minutes: 5,
     },
-    Section {
-        heading: "Rough metals",
-        scene: "rough-metals",
-        text: "`roughconductor` with `alpha` 0.05, 0.1, 0.2, 0.35 and 0.6, and anisotropic aluminium \
-               in front.",
-        pictures: &[Entry::plain("rough-metals", "", 256)],
-    },
-    Section {
-        heading: "Textures",
-        scene: "textures",
-        text: "`bitmap` and `checkerboard` textures, a `bumpmap` on the wall, and a `mask` that cuts \
-               holes into the lamp shade.",
-        pictures: &[Entry::plain("textures", "", 384)],
-    },
-    Section {
-        heading: "Smoke",
-        scene: "smoke",
-        text: "A `heterogeneous` medium over a `gridvolume`, lit by a lamp and by the ember below, \
-               rendered with `volpath`.",
-        pictures: &[Entry::plain("smoke", "", 512)],
-    },
-    Section {
-        heading: "Soft shadows",
-        scene: "soft-shadows",
-        text: "`area` lights of equal power with sides of 0.1, 1.2 and 3.6.",
-        pictures: &[
-            Entry::plain("soft-shadows-small", "side 0.1", 256)
-                .with(&[("light", "0.05"), ("radiance", "9216")]),
-            Entry::plain("soft-shadows-medium", "side 1.2", 256)
-                .with(&[("light", "0.6"), ("radiance", "64")]),
-            Entry::plain("soft-shadows-large", "side 3.6", 256)
-                .with(&[("light", "1.8"), ("radiance", "7.1111")]),
-        ],
+    Picture {
+        name: "interior",
+        heading: "A room in daylight",
+        text: "An armchair beside a window, on a parquet of oak. One `area` light behind the panes is all the \
+               light there is; the rest is what walls and floor send on.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 1.0,
+        minutes: 7,
     },
 ];
