@@ -32,8 +32,8 @@ use vertices::read_vertices;
 ///   those of `vertex_color`. A property outside of these groups is an attribute of its own with
 ///   one channel. Colours in 8 or 16 unsigned bits are scaled to [0, 1]; Mitsuba warns and uses
 ///   them unscaled. The values of a polygon apply to all its triangles.
-/// - A file without faces is a mesh without triangles. Normals and texture coordinates that are not
-///   finite are replaced.
+/// - A file without faces is a mesh without triangles. Normals, texture coordinates and values of
+///   attributes that are not finite are replaced.
 /// - Other lists and elements are skipped. The file may end after the vertices and faces.
 ///
 /// # Errors
@@ -41,8 +41,7 @@ use vertices::read_vertices;
 /// [`MeshErrorKind::Syntax`] for a malformed header or number,
 /// [`Truncated`](MeshErrorKind::Truncated) if the header announces more data than there is,
 /// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index without a vertex,
-/// [`NonFinite`](MeshErrorKind::NonFinite) for a position or an attribute that is not finite in
-/// single precision, [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or
+/// [`NonFinite`](MeshErrorKind::NonFinite) for a position that is not finite in single precision, [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or
 /// with triangle strips, and [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
 pub fn read_ply(bytes: &[u8]) -> Result<PlyMesh, MeshError> {
     let mut cursor = TextCursor::new(bytes);
@@ -78,6 +77,8 @@ pub enum PlyWarning {
     UnusableNormals(usize),
     /// So many texture coordinates were not finite, and were replaced by (0, 0).
     UnusableUvs(usize),
+    /// So many values of attributes were not finite, and were replaced by 0.
+    UnusableAttributeValues(usize),
 }
 
 impl fmt::Display for PlyWarning {
@@ -90,6 +91,9 @@ impl fmt::Display for PlyWarning {
             Self::UnusableUvs(count) => {
                 write!(formatter, "{count} texture coordinates that are not finite are (0, 0)")
             }
+            Self::UnusableAttributeValues(count) => {
+                write!(formatter, "{count} values of attributes that are not finite are 0")
+            }
         }
     }
 }
@@ -99,7 +103,8 @@ impl fmt::Display for PlyWarning {
 ///
 /// # Errors
 ///
-/// As [`read_ply`], and [`MeshErrorKind::Unsupported`] for a file without vertices.
+/// As [`read_ply`], [`MeshErrorKind::Unsupported`] for a file without vertices, and
+/// [`MeshErrorKind::NonFinite`] for an attribute that is not finite, as it may decide where a point is.
 pub fn read_ply_points(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     let mut cursor = TextCursor::new(bytes);
     let mut header = Header::read(&mut cursor)?;
@@ -114,7 +119,13 @@ pub fn read_ply_points(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     for element in &mut header.elements[..vertices] {
         element.name.clear();
     }
-    read_body(bytes, cursor, &header).map(|(points, _)| points)
+    let (points, warnings) = read_body(bytes, cursor, &header)?;
+    let broken = |warning: &&PlyWarning| matches!(warning, PlyWarning::UnusableAttributeValues(_));
+    if let Some(PlyWarning::UnusableAttributeValues(count)) = warnings.iter().find(broken) {
+        let message = format!("{count} values of attributes are not finite");
+        return Err(MeshError::new(MeshErrorKind::NonFinite, message));
+    }
+    Ok(points)
 }
 
 /// Reads the data after the header. Also returns what was replaced.
@@ -140,6 +151,8 @@ fn read_body(
     let warnings = [
         (replaced.normals > 0).then_some(PlyWarning::UnusableNormals(replaced.normals)),
         (replaced.uvs > 0).then_some(PlyWarning::UnusableUvs(replaced.uvs)),
+        (replaced.attribute_values > 0)
+            .then_some(PlyWarning::UnusableAttributeValues(replaced.attribute_values)),
     ];
     Ok((mesh, warnings.into_iter().flatten().collect()))
 }

@@ -64,6 +64,7 @@ impl AttributeDomain {
 pub(crate) struct Replaced {
     pub(crate) normals: usize,
     pub(crate) uvs: usize,
+    pub(crate) attribute_values: usize,
 }
 
 impl TriangleMesh {
@@ -112,8 +113,8 @@ impl TriangleMesh {
         self.validate_numbers()
     }
 
-    /// Replaces normals and texture coordinates that are not finite by zero; returns how many of
-    /// each there were.
+    /// Replaces normals, texture coordinates and values of attributes that are not finite by zero;
+    /// returns how many of each there were.
     pub(crate) fn replace_non_finite(&mut self) -> Replaced {
         let mut replaced = Replaced::default();
         for normal in self.normals.iter_mut().filter(|normal| !normal.is_finite()) {
@@ -123,6 +124,11 @@ impl TriangleMesh {
         for uv in self.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
             *uv = Vec2::ZERO;
             replaced.uvs += 1;
+        }
+        let values = self.attributes.iter_mut().flat_map(|attribute| &mut attribute.values);
+        for value in values.filter(|value| !value.is_finite()) {
+            *value = 0.0;
+            replaced.attribute_values += 1;
         }
         replaced
     }
