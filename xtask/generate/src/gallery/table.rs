@@ -105,6 +105,6 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 1.0,
-        minutes: 7,
+        minutes: 3,
     },
 ];
