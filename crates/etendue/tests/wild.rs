@@ -1,7 +1,7 @@
 //! Scenes as strangers write them: what loads, with which warnings, and what is rendered.
 
 use etendue::document::{Diagnostic, MemoryResources, Severity};
-use etendue::{Loaded, RenderOptions, SceneOptions, load_text, render_text};
+use etendue::{ExcerptStyle, Loaded, RenderOptions, SceneOptions, load_text, render_text};
 
 fn scene(version: &str, content: &str) -> String {
     format!("<scene version=\"{version}\">{content}</scene>")
@@ -261,7 +261,8 @@ fn nothing_of_a_file_of_another_kind_is_shown() {
     ] {
         let (loaded, found) = load_with(&scene("3.0.0", content), &SceneOptions::default());
         let sources = &loaded.diagnostics.sources;
-        let render = |found| etendue::render_diagnostic(found, sources, false);
+        let style = ExcerptStyle::default();
+        let render = |found| etendue::render_diagnostic(found, sources, style);
         let shown: String = found.iter().map(render).collect();
         assert!(found.iter().any(|found| found.severity == Severity::Error), "{content}");
         assert!(!shown.contains("SECRET"), "{shown}");
