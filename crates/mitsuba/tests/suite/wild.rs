@@ -5,7 +5,7 @@ use std::path::Path;
 use etendue_document::Fault::{Approximation, BadValue, Syntax};
 use etendue_document::Severity::{Error, Warning};
 use etendue_document::{
-    Diagnostics, Document, MemoryResources, SpectrumValue, Value, render_diagnostic,
+    Diagnostics, Document, ExcerptStyle, MemoryResources, SpectrumValue, Value, render_diagnostic,
 };
 use etendue_mitsuba::{LoadOptions, read_file};
 use glam::DVec3;
@@ -266,7 +266,7 @@ fn places_are_right_in_every_encoding() {
         let sources = document.expect("a scene").sources;
         let error = diagnostics.sorted().into_iter().find(|found| found.severity == Error);
         let error = error.expect("there is no `flot`");
-        let shown = render_diagnostic(&error, &sources, false);
+        let shown = render_diagnostic(&error, &sources, ExcerptStyle::default());
         assert!(shown.contains("/scene.xml:4:4"), "{shown}");
         assert!(shown.contains(" é <flot/></scene>"), "{shown}");
     }
@@ -328,7 +328,7 @@ fn nothing_of_an_included_file_of_another_kind_is_shown() {
         let document = read_file(path, &files, &LoadOptions::default(), &diagnostics).unwrap();
         let found = diagnostics.sorted();
         assert!(diagnostics.has_errors());
-        let render = |found| render_diagnostic(found, &document.sources, false);
+        let render = |found| render_diagnostic(found, &document.sources, ExcerptStyle::default());
         let shown: String = found.iter().map(render).collect();
         assert!(!shown.contains("SECRET"), "{shown}");
         assert!(shown.contains("/x.txt:1:1") && shown.contains("/main.xml:2"), "{shown}");

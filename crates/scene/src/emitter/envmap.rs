@@ -356,8 +356,7 @@ mod tests {
     /// Red is the column, green is the row.
     fn counting_map() -> EnvironmentMap {
         let texels = (0..4).flat_map(|y| (0..8).map(move |x| [x as f32, y as f32, 1.0])).collect();
-        let picture =
-            Panorama::new([8, 4], texels, Compensation::None, Gamut::Bt709).expect("it is bright");
+        let picture = Panorama::new([8, 4], texels, Compensation::None).expect("it is bright");
         EnvironmentMap { to_world: Transform::IDENTITY, picture: Arc::new(picture) }
     }
 
