@@ -9,7 +9,7 @@ use super::implicit::{Lattice, mesh};
 use super::noise::{step, value};
 use super::paint::{self, Size};
 use super::patch::{self, Grid};
-use super::solids::{extrude, polygon, rounded_corners};
+use super::solids::{extrude, polygon, rounded_corners, smooth_difference};
 
 /// A toothed wheel.
 struct Wheel {
@@ -150,14 +150,15 @@ fn plate(outline: &[(f64, f64)], holes: &[(f64, f64, f64)]) -> Vec<u8> {
     let lattice = Lattice {
         low: DVec3::new(low.x, -HALF_HEIGHT - 0.06, low.y),
         high: DVec3::new(high.x, HALF_HEIGHT + 0.06, high.y),
-        cell: 0.024,
+        cell: 0.012,
     };
     let plate = mesh(&lattice, |place| {
         let flat = place.xz();
         let figure = polygon(flat, &outline);
         // A bevel at 45 degrees, as watchmakers polish it.
         let edge = (figure + place.y.abs() - HALF_HEIGHT + 0.07) * std::f64::consts::FRAC_1_SQRT_2;
-        let slab = extrude(figure, place.y, HALF_HEIGHT, 0.01).max(edge);
+        let slab = extrude(figure, place.y, HALF_HEIGHT, 0.02);
+        let slab = smooth_difference(slab, -edge, 0.03);
         holes.iter().fold(slab, |rest, &(x, z, radius)| {
             let from = (flat - DVec2::new(x, z)).length();
             let sunk = (from - radius + 0.6 * (HALF_HEIGHT - place.y)).max(-0.03 - place.y);

@@ -27,8 +27,8 @@ const TAIL: &str = "
 
 ## Larger scenes
 
-[Cups of four materials](../scenes/cups/scene.xml), [a meadow](../scenes/meadow/scene.xml) of more than a million instances and
-[a plush bear](../scenes/fur/scene.xml) of 130,000 hairs have no picture here yet. The last two take
+[A meadow](../scenes/meadow/scene.xml) of more than a million instances and
+[a plush bear](../scenes/fur/scene.xml) of 130,000 hairs have no picture here yet, because they take
 hours on a small machine.
 ";
 

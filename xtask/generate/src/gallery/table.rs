@@ -107,4 +107,15 @@ pub(super) const PICTURES: &[Picture] = &[
         exposure: 1.0,
         minutes: 3,
     },
+    Picture {
+        name: "cups",
+        heading: "Cups",
+        text: "The same surface of revolution four times, from one B-spline: solid glass (`dielectric`), a \
+               film of glass too thin to bend light (`thindielectric`), porcelain and copper.",
+        size: [1280, 720],
+        samples_per_pixel: 16,
+        tone_map: ToneMap::Filmic,
+        exposure: 0.3,
+        minutes: 3,
+    },
 ];
