@@ -32,8 +32,8 @@ use vertices::read_vertices;
 ///   those of `vertex_color`. A property outside of these groups is an attribute of its own with
 ///   one channel. Colours in 8 or 16 unsigned bits are scaled to [0, 1]; Mitsuba warns and uses
 ///   them unscaled. The values of a polygon apply to all its triangles.
-/// - A file without faces is a mesh without triangles. Normals and texture coordinates that are not
-///   finite are replaced.
+/// - A file without faces is a mesh without triangles. Normals, texture coordinates and attributes
+///   that are not finite are replaced.
 /// - Other lists and elements are skipped. The file may end after the vertices and faces.
 ///
 /// # Errors
@@ -41,8 +41,8 @@ use vertices::read_vertices;
 /// [`MeshErrorKind::Syntax`] for a malformed header or number,
 /// [`Truncated`](MeshErrorKind::Truncated) if the header announces more data than there is,
 /// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index without a vertex,
-/// [`NonFinite`](MeshErrorKind::NonFinite) for a position or an attribute that is not finite in
-/// single precision, [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or
+/// [`NonFinite`](MeshErrorKind::NonFinite) for a position that is not finite in single precision,
+/// [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or
 /// with triangle strips, and [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
 pub fn read_ply(bytes: &[u8]) -> Result<PlyMesh, MeshError> {
     let mut cursor = TextCursor::new(bytes);
@@ -78,6 +78,8 @@ pub enum PlyWarning {
     UnusableNormals(usize),
     /// So many texture coordinates were not finite, and were replaced by (0, 0).
     UnusableUvs(usize),
+    /// So many values of attributes were not finite, and were replaced by zero.
+    UnusableValues(usize),
 }
 
 impl fmt::Display for PlyWarning {
@@ -89,6 +91,9 @@ impl fmt::Display for PlyWarning {
             }
             Self::UnusableUvs(count) => {
                 write!(formatter, "{count} texture coordinates that are not finite are (0, 0)")
+            }
+            Self::UnusableValues(count) => {
+                write!(formatter, "{count} values of attributes that are not finite are 0")
             }
         }
     }
@@ -140,6 +145,7 @@ fn read_body(
     let warnings = [
         (replaced.normals > 0).then_some(PlyWarning::UnusableNormals(replaced.normals)),
         (replaced.uvs > 0).then_some(PlyWarning::UnusableUvs(replaced.uvs)),
+        (replaced.values > 0).then_some(PlyWarning::UnusableValues(replaced.values)),
     ];
     Ok((mesh, warnings.into_iter().flatten().collect()))
 }

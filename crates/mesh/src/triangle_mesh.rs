@@ -59,11 +59,12 @@ impl AttributeDomain {
     }
 }
 
-/// How many vectors were not finite.
+/// How much was not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Replaced {
     pub(crate) normals: usize,
     pub(crate) uvs: usize,
+    pub(crate) values: usize,
 }
 
 impl TriangleMesh {
@@ -112,8 +113,8 @@ impl TriangleMesh {
         self.validate_numbers()
     }
 
-    /// Replaces normals and texture coordinates that are not finite by zero; returns how many of
-    /// each there were.
+    /// Replaces normals, texture coordinates and attribute values that are not finite by zero;
+    /// returns how many of each there were.
     pub(crate) fn replace_non_finite(&mut self) -> Replaced {
         let mut replaced = Replaced::default();
         for normal in self.normals.iter_mut().filter(|normal| !normal.is_finite()) {
@@ -123,6 +124,11 @@ impl TriangleMesh {
         for uv in self.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
             *uv = Vec2::ZERO;
             replaced.uvs += 1;
+        }
+        let values = self.attributes.iter_mut().flat_map(|attribute| &mut attribute.values);
+        for value in values.filter(|value| !value.is_finite()) {
+            *value = 0.0;
+            replaced.values += 1;
         }
         replaced
     }

@@ -267,6 +267,16 @@ fn normals_and_coordinates_that_are_not_finite_are_replaced() {
 }
 
 #[test]
+fn attributes_that_are_not_finite_are_replaced() {
+    let header = DRESSED.replace("property float u", "property float q");
+    let body = "0 0 0 0 0 1 -nan(ind) 0\n1 0 0 0 0 1 1 0\n0 1 0 0 0 1 1.#INF 1\n3 0 1 2\n";
+    let text = format!("{header}element face 1\n{CORNERS}end_header\n{body}");
+    let read = read_ply(text.as_bytes()).expect("the rest is usable");
+    assert_eq!(read.mesh.attributes[0].values, [0.0, 1.0, 0.0]);
+    assert_eq!(read.warnings, [PlyWarning::UnusableValues(2)]);
+}
+
+#[test]
 fn a_point_cloud_is_a_mesh_without_triangles() {
     let body = "0 0 0 0 0 1 0 0\n1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 1\n";
     let read = read_ply(format!("{DRESSED}end_header\n{body}").as_bytes()).expect("points");
