@@ -42,8 +42,8 @@ use vertices::read_vertices;
 /// [`Truncated`](MeshErrorKind::Truncated) if the header announces more data than there is,
 /// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index without a vertex,
 /// [`NonFinite`](MeshErrorKind::NonFinite) for a position that is not finite in single precision,
-/// [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or
-/// with triangle strips, and [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
+/// [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or with triangle strips,
+/// and [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
 pub fn read_ply(bytes: &[u8]) -> Result<PlyMesh, MeshError> {
     let mut cursor = TextCursor::new(bytes);
     let header = Header::read(&mut cursor)?;
