@@ -255,7 +255,6 @@ fn huge_and_tiny_triangles_look_the_same() {
 }
 
 #[test]
-#[expect(clippy::disallowed_macros, reason = "a test says what it leaves out")]
 fn the_gallery_looks_the_same() {
     let folders = fs::read_dir(repository().join("scenes")).expect("the gallery");
     let (mut count, mut left_out) = (0, Vec::new());

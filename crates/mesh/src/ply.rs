@@ -32,8 +32,8 @@ use vertices::read_vertices;
 ///   those of `vertex_color`. A property outside of these groups is an attribute of its own with
 ///   one channel. Colours in 8 or 16 unsigned bits are scaled to [0, 1]; Mitsuba warns and uses
 ///   them unscaled. The values of a polygon apply to all its triangles.
-/// - A file without faces is a mesh without triangles. Normals, texture coordinates and values of
-///   attributes that are not finite are replaced.
+/// - A file without faces is a mesh without triangles. Normals, texture coordinates and attributes
+///   that are not finite are replaced.
 /// - Other lists and elements are skipped. The file may end after the vertices and faces.
 ///
 /// # Errors
@@ -41,8 +41,9 @@ use vertices::read_vertices;
 /// [`MeshErrorKind::Syntax`] for a malformed header or number,
 /// [`Truncated`](MeshErrorKind::Truncated) if the header announces more data than there is,
 /// [`OutOfRange`](MeshErrorKind::OutOfRange) for an index without a vertex,
-/// [`NonFinite`](MeshErrorKind::NonFinite) for a position that is not finite in single precision, [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or
-/// with triangle strips, and [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
+/// [`NonFinite`](MeshErrorKind::NonFinite) for a position that is not finite in single precision,
+/// [`Unsupported`](MeshErrorKind::Unsupported) for a file without positions or with triangle strips,
+/// and [`Limit`](MeshErrorKind::Limit) for more than 2³² − 2 vertices.
 pub fn read_ply(bytes: &[u8]) -> Result<PlyMesh, MeshError> {
     let mut cursor = TextCursor::new(bytes);
     let header = Header::read(&mut cursor)?;
@@ -77,8 +78,8 @@ pub enum PlyWarning {
     UnusableNormals(usize),
     /// So many texture coordinates were not finite, and were replaced by (0, 0).
     UnusableUvs(usize),
-    /// So many values of attributes were not finite, and were replaced by 0.
-    UnusableAttributeValues(usize),
+    /// So many values of attributes were not finite, and were replaced by zero.
+    UnusableValues(usize),
 }
 
 impl fmt::Display for PlyWarning {
@@ -91,7 +92,7 @@ impl fmt::Display for PlyWarning {
             Self::UnusableUvs(count) => {
                 write!(formatter, "{count} texture coordinates that are not finite are (0, 0)")
             }
-            Self::UnusableAttributeValues(count) => {
+            Self::UnusableValues(count) => {
                 write!(formatter, "{count} values of attributes that are not finite are 0")
             }
         }
@@ -120,8 +121,8 @@ pub fn read_ply_points(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
         element.name.clear();
     }
     let (points, warnings) = read_body(bytes, cursor, &header)?;
-    let broken = |warning: &&PlyWarning| matches!(warning, PlyWarning::UnusableAttributeValues(_));
-    if let Some(PlyWarning::UnusableAttributeValues(count)) = warnings.iter().find(broken) {
+    let broken = |warning: &&PlyWarning| matches!(warning, PlyWarning::UnusableValues(_));
+    if let Some(PlyWarning::UnusableValues(count)) = warnings.iter().find(broken) {
         let message = format!("{count} values of attributes are not finite");
         return Err(MeshError::new(MeshErrorKind::NonFinite, message));
     }
@@ -151,8 +152,7 @@ fn read_body(
     let warnings = [
         (replaced.normals > 0).then_some(PlyWarning::UnusableNormals(replaced.normals)),
         (replaced.uvs > 0).then_some(PlyWarning::UnusableUvs(replaced.uvs)),
-        (replaced.attribute_values > 0)
-            .then_some(PlyWarning::UnusableAttributeValues(replaced.attribute_values)),
+        (replaced.values > 0).then_some(PlyWarning::UnusableValues(replaced.values)),
     ];
     Ok((mesh, warnings.into_iter().flatten().collect()))
 }

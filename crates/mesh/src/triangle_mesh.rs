@@ -59,12 +59,12 @@ impl AttributeDomain {
     }
 }
 
-/// How many vectors were not finite.
+/// How much was not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Replaced {
     pub(crate) normals: usize,
     pub(crate) uvs: usize,
-    pub(crate) attribute_values: usize,
+    pub(crate) values: usize,
 }
 
 impl TriangleMesh {
@@ -113,7 +113,7 @@ impl TriangleMesh {
         self.validate_numbers()
     }
 
-    /// Replaces normals, texture coordinates and values of attributes that are not finite by zero;
+    /// Replaces normals, texture coordinates and attribute values that are not finite by zero;
     /// returns how many of each there were.
     pub(crate) fn replace_non_finite(&mut self) -> Replaced {
         let mut replaced = Replaced::default();
@@ -128,7 +128,7 @@ impl TriangleMesh {
         let values = self.attributes.iter_mut().flat_map(|attribute| &mut attribute.values);
         for value in values.filter(|value| !value.is_finite()) {
             *value = 0.0;
-            replaced.attribute_values += 1;
+            replaced.values += 1;
         }
         replaced
     }

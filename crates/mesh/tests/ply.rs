@@ -267,17 +267,23 @@ fn normals_and_coordinates_that_are_not_finite_are_replaced() {
 }
 
 #[test]
-fn attributes_that_are_not_finite_are_zero_on_meshes_and_refused_on_points() {
+fn attributes_of_points_must_be_finite() {
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
         property float z\nproperty float q\n";
     let body = "0 0 0 nan\n1 0 0 2\n0 1 0 inf\n";
-    let mesh = format!("{header}element face 1\n{CORNERS}end_header\n{body}3 0 1 2\n");
-    let read = read_ply(mesh.as_bytes()).expect("the rest is usable");
-    assert_eq!(read.mesh.attributes[0].values, [0.0, 2.0, 0.0]);
-    assert_eq!(read.warnings, [PlyWarning::UnusableAttributeValues(2)]);
     let points = format!("{header}end_header\n{body}");
     let error = read_ply_points(points.as_bytes()).expect_err("a point may be anywhere");
     assert_eq!(error.kind, MeshErrorKind::NonFinite);
+}
+
+#[test]
+fn attributes_that_are_not_finite_are_replaced() {
+    let header = DRESSED.replace("property float u", "property float q");
+    let body = "0 0 0 0 0 1 -nan(ind) 0\n1 0 0 0 0 1 1 0\n0 1 0 0 0 1 1.#INF 1\n3 0 1 2\n";
+    let text = format!("{header}element face 1\n{CORNERS}end_header\n{body}");
+    let read = read_ply(text.as_bytes()).expect("the rest is usable");
+    assert_eq!(read.mesh.attributes[0].values, [0.0, 1.0, 0.0]);
+    assert_eq!(read.warnings, [PlyWarning::UnusableValues(2)]);
 }
 
 #[test]
