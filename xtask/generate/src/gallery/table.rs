@@ -72,7 +72,7 @@ pub(super) const PICTURES: &[Picture] = &[
         samples_per_pixel: 16,
         tone_map: ToneMap::Filmic,
         exposure: 0.0,
-        minutes: 4,
+        minutes: 3,
     },
     Picture {
         name: "cloth",
