@@ -9,7 +9,7 @@ use etendue_engine::{
     Budget, Camera, Cancel, Channels, EngineError, FilmFile, FilmRecord, FilmSums, Host, Job,
     Region, Silent, Workers, render_into,
 };
-use etendue_image::Picture;
+use etendue_image::{Channel, Picture};
 use etendue_integrators::{CameraRay, Integrator, Radiance, Start, Training, Watch};
 use etendue_mitsuba::{LoadOptions, read_text};
 use etendue_sampling::warp::cosine_hemisphere;
@@ -232,7 +232,9 @@ fn a_region_has_the_pixels_of_the_whole_picture() {
     let whole = picture(&run(&scene, 2, WHOLE, [0, COUNT], &[]));
     let region = Region { x: 7, y: 4, width: 9, height: 5 };
     let part = picture(&run(&scene, 2, region, [0, COUNT], &[]));
-    for (part, whole) in part.channels.iter().zip(&whole.channels) {
+    // Variances are means over neighbours, which the edge of the region cuts off.
+    let is_of_a_pixel = |(part, _): &(&Channel, _)| !part.name.starts_with("variance.");
+    for (part, whole) in part.channels.iter().zip(&whole.channels).filter(is_of_a_pixel) {
         let rows = whole.data.chunks(WHOLE.width as usize).skip(4).take(5);
         let expected: Vec<f32> = rows.flat_map(|row| row[7..16].to_vec()).collect();
         assert_eq!(part.data, expected, "{}", part.name);

@@ -34,6 +34,10 @@ fn commands() -> Vec<(&'static str, Vec<String>)> {
         ("diff", arguments(&["diff", "x.exr", "x.exr", "--variance", &name("exr")])),
         ("convert", arguments(&["convert", &name("png"), "x.exr"])),
         ("convert", arguments(&["convert", &name("png"), &name("nothing")])),
+        ("completions", arguments(&["completions", NAME])),
+        ("completions", arguments(&["completions", "fish"])),
+        ("man", arguments(&["man", NAME])),
+        ("man", arguments(&["man"])),
     ]
 }
 
