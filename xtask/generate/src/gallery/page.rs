@@ -10,9 +10,10 @@ const HEAD: &str = "# Gallery
 
 Etendue rendered every picture from a scene of this repository. `cargo xtask assets` makes the files
 of the scenes that are too large to be committed, and `cargo xtask gallery` renders the pictures
-again. They have few samples per pixel, and what is left of the noise is removed by non-local means,
-guided by albedo and normals ([denoise.rs](../xtask/generate/src/gallery/denoise.rs)); nothing else
-was retouched. The commands below show the scenes without that step. The times are those of a
+again. They have few samples per pixel. Single pixels far brighter than their neighbours are limited, and
+what is left of the noise is removed by non-local means, guided by albedo and normals
+([denoise.rs](../xtask/generate/src/gallery/denoise.rs)); nothing else was retouched. The commands below
+show the scenes without that step. The times are those of a
 machine with two cores (Intel Xeon, 2.5 GHz) that were busy with other jobs for most of the time.
 ";
 
