@@ -126,7 +126,9 @@ fn unpack(packages: &[Package], folder: &Path) -> Result<(), String> {
             fs::remove_dir_all(&old).map_err(|error| cannot_write(&old, &error))?;
         }
         let archive = archives.join(format!("{}.crate", package.stem()));
-        succeed(Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(folder))?;
+        // `m`: all files in the archive have the same time of modification, by which Cargo would not
+        // notice a change.
+        succeed(Command::new("tar").arg("-xzmf").arg(archive).arg("-C").arg(folder))?;
     }
     Ok(())
 }
